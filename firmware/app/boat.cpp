@@ -330,14 +330,19 @@ template <class S>
 void Boat<S>::learn(std::int64_t now_us, S dt) {
   if (!core::law_drives(state()) || (conditions_ & core::kOwnFresh) == 0) {
     learnt_.interrupt();
+    learning_ = {};
     return;
   }
+  // Summed in the law's scalar: float is slow where a processor has none.
+  core::impulse_forward(learning_, thrust_.given, dt);
+  if (learning_.time < S(ModelMonitor::kSample_s)) return;
   const auto of = [](S x) { return convert::in_float(x); };
-  if (!learnt_.push({of(thrust_.given.X), of(thrust_.given.N)}, of(dt))) return;
+  const auto [sum, time] = std::exchange(learning_, {});
   const core::Motion<S>& motion = pilot_.motion();
   const auto [sin, cos] = core::sin_cos(motion.psi);
   const core::Vec2<S>& current_n = pilot_.current_n();
-  const bool applies = learnt_.take({of(motion.nu.u), of(motion.nu.v), of(motion.nu.r)},
+  const bool applies = learnt_.take({{of(sum.X), of(sum.N)}, of(time)},
+                                    {of(motion.nu.u), of(motion.nu.v), of(motion.nu.r)},
                                     {of(sin), of(cos)}, {of(current_n.x), of(current_n.y)}, now_us);
   if (applies) configure();
 }

@@ -179,6 +179,7 @@ class Boat {
   FenceWatch fence_watch_;
 
   ModelMonitor learnt_;
+  core::Impulse<S> learning_{};  // given since learnt_ last took one
 
   Settled slot_astern_;
 

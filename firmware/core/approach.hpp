@@ -87,7 +87,7 @@ SlotWay<S> slot_way(const ApproachParams<S>& params, const Slot<S>& slot,
 template <class S>
 bool rests(const ApproachParams<S>& params, const Slot<S>& slot, bool on) {
   if (!(S(0) < params.k_x * params.Delta)) return false;
-  return hypot(slot.nu.u, slot.nu.v) < (on ? params.epsilon : S(0.5) * params.epsilon);
+  return is_shorter(Vec2<S>{slot.nu.u, slot.nu.v}, on ? params.epsilon : S(0.5) * params.epsilon);
 }
 
 /// Advances p by h seconds; slow, so that waves do not turn the boat.
@@ -127,7 +127,7 @@ bool cannot_be_sailed(const ApproachParams<S>& params, const Slot<S>& slot, bool
   if (!(S(0) < params.k_x * params.Delta)) return false;
   if (abs(slot.pace) < (on ? S(1.5) * params.epsilon : params.epsilon)) return true;
   const S most = on ? S(0.95) * params.u_max : params.u_max;
-  return S(0) < most && most < hypot(slot.nu.u, slot.nu.v);
+  return S(0) < most && is_longer(Vec2<S>{slot.nu.u, slot.nu.v}, most);
 }
 
 /// Whether the slot is far enough for an approach, if not stern to the drift; on: as above.

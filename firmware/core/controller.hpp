@@ -81,7 +81,7 @@ Course<S> course(const ControllerParams<S>& params, ApproachState<S>& state,
   const ApproachParams<S> approach = approach_params(params);
   const bool unsailed = cannot_be_sailed(approach, slot, state.on);
   const bool at_rest = rests(approach, slot, state.on);
-  const bool far = S(3) * params.sight.Delta < hypot(error.e.x, error.e.y);
+  const bool far = is_longer(Vec2<S>{error.e.x, error.e.y}, S(3) * params.sight.Delta);
   if (unsailed || at_rest || far) {
     const Vec2<S> drift_b = pushed(approach, c_b, to_body(error.R, state.push_n));
     const SlotWay<S> way = slot_way(approach, slot, error, in.nu, drift_b);
@@ -130,8 +130,8 @@ SeparationInput<S> separation_input(const ControllerParams<S>& params, const Tra
           dt};
 }
 
-/// One control step; dt: s since the previous step, 0 in the first; traffic: nullptr for no
-/// separation from other vessels.
+/// One control step; dt: s since the previous step, 0 in the first; traffic: nullptr if there are
+/// no other vessels to keep apart from.
 template <class S>
 ControllerOutput<S> controller_step(const ControllerParams<S>& params, ControllerState<S>& state,
                                     const ControllerInput<S>& in, S dt,
@@ -144,9 +144,9 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   virtual_sway_forward(params.vessel, state.outer, dt);
   VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
-  if (traffic != nullptr && traffic->count == 0) {
+  if (traffic == nullptr || traffic->count == 0) {
     state.separation = {};
-  } else if (traffic != nullptr) {
+  } else {
     separation = separate(params.separation, state.separation,
                           separation_input(params, *traffic, slot, error, in.nu, dt), desired);
   }

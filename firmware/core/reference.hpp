@@ -53,6 +53,7 @@ struct Foresight {
 };
 template <class S>
 Foresight<S> foresight(S h, S rate, S rate_dot, S most) {
+  if (!(S(0) < max(abs(rate), abs(rate_dot)))) return {};  // straight on, or steadily round
   const S m = min(h, S(2));
   const S half = S(0.5) * m;
   const S change = m * (rate + half * rate_dot);

@@ -49,4 +49,14 @@ Vec2<S> to_body(S psi, const Vec2<S>& n) {
   return to_body(rotation(psi), n);
 }
 
+/// Whether |v| < most, > most; without a root where the components alone tell it.
+template <class S>
+bool is_shorter(const Vec2<S>& v, S most) {
+  return abs(v.x) < most && abs(v.y) < most && hypot(v.x, v.y) < most;
+}
+template <class S>
+bool is_longer(const Vec2<S>& v, S most) {
+  return most < abs(v.x) + abs(v.y) && most < hypot(v.x, v.y);
+}
+
 }  // namespace flotilla::core

@@ -127,6 +127,26 @@ void smooth(const Smoothing<S>& by, Smooth<S>& state, S value) {
   state.rate = state.rate + state.rate_rest.take(by.of_rate, off);
 }
 
+/// δ and δ̇.
+template <class S>
+struct BowTurn {
+  S angle{};
+  S rate{};
+};
+
+template <class S>
+BowTurn<S> bow_turn(const SlotParams<S>& params, const SlotState<S>& state) {
+  const S q_s = state.q_s.value;
+  const S qq = q_s * q_s;
+  const S D = qq + params.epsilon * params.epsilon;
+  const S share = qq / D;  // → 1 for |q_s| ≫ ε
+  const S per_q = share * q_s / D;
+  const S z = state.n.value * per_q;
+  const S z_dot =
+      state.n.rate * per_q + state.n.value * (S(3) - S(4) * share) * share / D * state.q_s.rate;
+  return {atan(z), z_dot / (S(1) + z * z)};
+}
+
 /// The slot's motion; advances its state by the h seconds since the previous step.
 template <class S>
 Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<S>& state,
@@ -143,16 +163,7 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   smooth(by, state.q_s, q.x);
   smooth(by, state.n, q.y - state.v_w);
   const S q_s = state.q_s.value;
-  const S q_s_dot = state.q_s.rate;
-  const S qq = q_s * q_s;
-  const S D = qq + params.epsilon * params.epsilon;
-  const S share = qq / D;  // → 1 for |q_s| ≫ ε
-  const S per_q = share * q_s / D;
-  const S z = state.n.value * per_q;
-  const S z_dot =
-      state.n.rate * per_q + state.n.value * (S(3) - S(4) * share) * share / D * q_s_dot;
-  const S delta = params.steers ? atan(z) : S(0);
-  const S delta_dot = params.steers ? z_dot / (S(1) + z * z) : S(0);
+  const auto [delta, delta_dot] = params.steers ? bow_turn(params, state) : BowTurn<S>{};
   slot.nu.r = in.nu_L.r + delta_dot;
   slot.pace = q_s;
   state.v_w = (state.v_w - h * m.m11_m22 * q_s * slot.nu.r) / (S(1) + h * m.d22_m22);

@@ -28,6 +28,19 @@ struct Tau {
   S N{};
 };
 
+/// ∫τ dt, and over which time, s.
+template <class S>
+struct Impulse {
+  Tau<S> sum{};
+  S time{};
+};
+
+template <class S>
+void impulse_forward(Impulse<S>& state, const Tau<S>& tau, S h) {
+  state.sum = {state.sum.X + h * tau.X, state.sum.N + h * tau.N};
+  state.time = state.time + h;
+}
+
 template <class S>
 struct Error {
   S x{};

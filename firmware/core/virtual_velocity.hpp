@@ -85,8 +85,9 @@ struct TooFast {
 
 template <class S>
 TooFast<S> too_fast(const VirtualVelocityParams<S>& params, const Slot<S>& slot) {
-  const auto beyond = [](S most, S needed) { return S(0) < most && most < needed ? needed : S(0); };
-  return {beyond(params.u_max, hypot(slot.nu.u, slot.nu.v)), beyond(params.r_max, abs(slot.nu.r))};
+  const bool u = S(0) < params.u_max && is_longer(Vec2<S>{slot.nu.u, slot.nu.v}, params.u_max);
+  const bool r = S(0) < params.r_max && params.r_max < abs(slot.nu.r);
+  return {u ? hypot(slot.nu.u, slot.nu.v) : S(0), r ? abs(slot.nu.r) : S(0)};
 }
 
 /// u* before its limit.

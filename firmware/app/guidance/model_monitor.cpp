@@ -8,7 +8,6 @@
 namespace flotilla::app {
 namespace {
 
-constexpr float kSample_s = 0.1F;
 constexpr int kLeastBlocks = 12;    // a minute
 constexpr float kTurnShare = 0.6F;  // of LAW_R_MAX
 // Applied within a block of 5 s: 5 % of a propeller's thrust, 12 % of the drag in a minute.
@@ -66,17 +65,11 @@ Parameters ModelMonitor::applied(const Parameters& p) const {
   return out;
 }
 
-bool ModelMonitor::push(const core::Tau<float>& given, float since_s) {
-  impulse_ = {impulse_.X + since_s * given.X, impulse_.N + since_s * given.N};
-  impulse_s_ += since_s;
-  return impulse_s_ >= kSample_s;
-}
-
-bool ModelMonitor::take(const core::Nu<float>& nu, const core::SinCos<float>& heading,
-                        const core::Vec2<float>& current_n, std::int64_t now_us) {
-  const bool used = core::model_error_forward(params_, state_,
-                                              {std::exchange(impulse_, {}), nu, heading, current_n},
-                                              std::exchange(impulse_s_, 0.0F));
+bool ModelMonitor::take(const core::Impulse<float>& given, const core::Nu<float>& nu,
+                        const core::SinCos<float>& heading, const core::Vec2<float>& current_n,
+                        std::int64_t now_us) {
+  const bool used =
+      core::model_error_forward(params_, state_, {given.sum, nu, heading, current_n}, given.time);
   if (!used) return false;
   judge(Number::kBalance, core::balance_error(state_), balance_applied_, now_us);
   judge(Number::kDrag, core::drag_error(state_), drag_applied_, now_us);
@@ -84,11 +77,7 @@ bool ModelMonitor::take(const core::Nu<float>& nu, const core::SinCos<float>& he
   return apply();
 }
 
-void ModelMonitor::interrupt() {
-  impulse_ = {};
-  impulse_s_ = 0;
-  core::model_error_interrupt(state_);
-}
+void ModelMonitor::interrupt() { core::model_error_interrupt(state_); }
 
 /// applied: THR_BALANCE's change, or the factor, that the model has already.
 void ModelMonitor::judge(Number number, const core::Share<float>& error, float applied,

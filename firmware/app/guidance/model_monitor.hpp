@@ -31,12 +31,14 @@ class ModelMonitor {
   /// The same parameters with what LEARN_APPLY has applied so far.
   Parameters applied(const Parameters& p) const;
 
-  /// The wrench given for `since_s`. True if the motion at their end is to be passed to take().
-  [[nodiscard]] bool push(const core::Tau<float>& given, float since_s);
+  /// take() is for impulses that last for at least this long.
+  static constexpr float kSample_s = 0.1F;
 
-  /// Velocity, heading, and the current's estimate. True if applied() has changed.
-  [[nodiscard]] bool take(const core::Nu<float>& nu, const core::SinCos<float>& heading,
-                          const core::Vec2<float>& current_n, std::int64_t now_us);
+  /// The impulse given since the last call; velocity, heading, and the current's estimate at its end.
+  /// True if applied() has changed.
+  [[nodiscard]] bool take(const core::Impulse<float>& given, const core::Nu<float>& nu,
+                          const core::SinCos<float>& heading, const core::Vec2<float>& current_n,
+                          std::int64_t now_us);
 
   /// The law does not drive, or the motion is unknown.
   void interrupt();
@@ -64,8 +66,6 @@ class ModelMonitor {
   std::array<Judged, kNumbers> judged_{};
   std::array<float, kOfModels> numbers_{};  // LEARN_APPLY, THR_BALANCE, hull, propellers
   float balance_applied_ = 0, drag_applied_ = 1;
-  core::Tau<float> impulse_{};
-  float impulse_s_ = 0;
 };
 
 }  // namespace flotilla::app

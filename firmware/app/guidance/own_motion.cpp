@@ -85,7 +85,10 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
     carry(now_us);
     return;
   }
-  if (latency_.estimates()) latency_.push(convert::in_float(given.N), convert::in_float(since));
+  if (latency_.estimates()) {
+    core::impulse_forward(moment_, given, since);
+    if (!(moment_.time < S(0.025))) push_moment();  // a yaw rate tells nothing finer
+  }
   response_.push(law.controller, given, since);
   const core::Vessel<S>& vessel = law.controller.vessel;
   track_.push(since * core::max(core::abs(given.X) / vessel.m11, core::abs(given.N) / vessel.m33));
@@ -95,8 +98,7 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
   if (!fix) return;
   response_.take_fix(fix->nu);
   std::int64_t age_us = track_.age_us(now_us).value_or(0);
-  if (latency_.estimates() &&
-      latency_.correct(convert::in_float(fix->nu.r), convert::in_float(fix->dt), age_us)) {
+  if (latency_.estimates() && finds_latency(*fix, age_us)) {
     track_.set_lag(latency_.lag_us());
     age_us = track_.age_us(now_us).value_or(0);
   }
@@ -111,12 +113,32 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
 }
 
 template <class S>
+void OwnMotion<S>::push_moment() {
+  const auto [sum, time] = std::exchange(moment_, {});
+  if (S(0) < time) latency_.push(convert::in_float(sum.N), convert::in_float(time));
+}
+
+/// True if the latency that is compensated for has changed. Fixes closer together than a tenth of a
+/// second add little information.
+template <class S>
+bool OwnMotion<S>::finds_latency(const core::TrackMessage<S>& fix, std::int64_t age_us) {
+  const bool goes_on = S(0) < fix.dt && fix.dt < S(0.5);
+  since_fix_ = goes_on ? since_fix_ + fix.dt : S(0);
+  if (goes_on && since_fix_ < S(0.095)) return false;
+  push_moment();
+  return latency_.correct(convert::in_float(fix.nu.r),
+                          convert::in_float(std::exchange(since_fix_, S(0))), age_us);
+}
+
+template <class S>
 void OwnMotion<S>::carry(std::int64_t now_us) {
   observer_ = {};
   observer_.motion = track_.motion(now_us);
   anchor_ = track_.position();
   response_.reset();
   latency_.restart();
+  moment_ = {};
+  since_fix_ = S(0);
   if (const auto fix = track_.take_fix()) response_.take_fix(fix->nu);
 }
 

@@ -66,6 +66,8 @@ class OwnMotion {
   }
   bool may_be_own(std::size_t link, std::int64_t now_us) const;
   void carry(std::int64_t now_us);
+  void push_moment();
+  bool finds_latency(const core::TrackMessage<S>& fix, std::int64_t age_us);
   core::ObserverParams<S> careful(const core::ObserverParams<S>& params) const;
 
   VesselTrack<S> track_;
@@ -75,6 +77,8 @@ class OwnMotion {
   bool armed_ = false;
   bool stranger_ = false;
   UnitLatency latency_;
+  core::Impulse<S> moment_{};  // given since latency_ last took one
+  S since_fix_{};              // that latency_ took
   UnitQuality quality_;
   link::GpsRawInt gps_{};
   std::optional<std::int64_t> gps_us_;

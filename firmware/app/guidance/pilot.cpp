@@ -57,11 +57,13 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
   if (std::holds_alternative<link::FormationReference>(received.message) ||
       std::holds_alternative<link::FormationFuture>(received.message)) {
     reference_.take(received, place, now_us, counters);
-  } else {
+  } else if (received.from.system == leader_.system()) {
     leader_.take(received, now_us, counters);
   }
-  reports_.hear(received, now_us);
-  claims_.hear(received, reference_.place(), now_us);
+  if (!link::tells_motion(received.message)) {
+    reports_.hear(received, now_us);
+    claims_.hear(received, reference_.place(), now_us);
+  }
   if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
 }
 
@@ -97,6 +99,7 @@ core::Conditions Pilot<S>::heard(std::int64_t now_us) const {
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
   reference_.make(leader_, now_us);
+  leader_.stand_by(std::exchange(leaders_reference_, false));
   own_.observe(law_, given, since, armed, now_us);
 }
 
@@ -109,23 +112,26 @@ std::optional<double> Pilot<S>::latency_s() const {
 /// The formation's root if its reference can be followed, else the leader.
 template <class S>
 Lead<S> Pilot<S>::lead(std::int64_t now_us) const {
-  const auto aim = reference_.aim(now_us);
-  if (!aim) {
-    return {leader_.system(),       {}, leader_.position(),
-            leader_.motion(now_us), {}, law_.controller.slot};
-  }
-  core::SlotParams<S> slot = law_.controller.slot;
-  slot.d = convert::offset_of<S>(aim->offset.b);
-  slot.turns = slot.turns || aim->offset.b != convert::WireOffset{};
+  if (const auto aim = reference_.aim(now_us)) return lead_of(*aim);
+  return {leader_.system(),       {}, leader_.position(),
+          leader_.motion(now_us), {}, law_.controller.slot};
+}
+
+template <class S>
+Lead<S> Pilot<S>::lead_of(const typename Reference<S>::Aim& aim) const {
+  Lead<S> lead{leader_.system(),
+               aim.branch,
+               aim.position,
+               aim.motion,
+               convert::offset_of<S>(aim.offset.n),
+               law_.controller.slot,
+               aim.motion.psi};
+  core::SlotParams<S>& slot = lead.slot;
+  slot.d = convert::offset_of<S>(aim.offset.b);
+  slot.turns = slot.turns || aim.offset.b != convert::WireOffset{};
   slot.steers = slot.steers || slot.turns;
-  const Lead<S> lead{leader_.system(),
-                     aim->branch,
-                     aim->position,
-                     aim->motion,
-                     convert::offset_of<S>(aim->offset.n),
-                     slot,
-                     aim->motion.psi};
-  return kMoves && slot_moves_ ? on_own_course(lead, slot_v_, slot_a_) : lead;
+  if (kMoves && slot_moves_) lead = on_own_course(lead, slot_v_, slot_a_);
+  return lead;
 }
 
 /// The leader's offset from its own slot, if that was computed from the root.
@@ -209,11 +215,15 @@ core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
-  const bool watches = neighbours_.watches();
-  const auto traffic = watches ? neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us)
-                               : core::Traffic<S>{};
+  if (!neighbours_.any(now_us)) return step_law(nullptr, dt);
+  const auto traffic = neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us);
+  return step_law(&traffic, dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::step_law(const core::Traffic<S>* traffic, S dt) {
   const core::SlotParams<S> own_slot = std::exchange(law_.controller.slot, follower_.lead().slot);
-  const auto out = follower_.step(law_, own_, watches ? &traffic : nullptr, dt);
+  const auto out = follower_.step(law_, own_, traffic, dt);
   law_.controller.slot = own_slot;
   own_.desire(out.desired.nu_star);
   return out;
@@ -222,6 +232,8 @@ core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
   follower_.follow(law_, own_, lead(now_us), dt);
+  const Branch& branch = follower_.lead().branch;
+  leaders_reference_ = branch.root != 0 && branch.maker != own_.track().system();
   if (follower_.counts_to_shift(dt)) follower_.shift(leaders_error(now_us));
   const auto out = step_law(now_us, dt);
   follower_.judge(law_, out, out.error, yaw_rate(), dt);

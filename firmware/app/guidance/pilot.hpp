@@ -176,10 +176,12 @@ class Pilot {
  private:
   void take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us);
   Lead<S> lead(std::int64_t now_us) const;
+  Lead<S> lead_of(const typename Reference<S>::Aim& aim) const;
   Lead<S> lead_of_plan() const;
   core::Vec2<S> leaders_error(std::int64_t now_us) const;
   core::ControllerOutput<S> follow_plan_vessel(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_law(std::int64_t now_us, S dt);
+  core::ControllerOutput<S> step_law(const core::Traffic<S>* traffic, S dt);
 
   convert::Law<S> law_;
   bool slot_moves_ = false;
@@ -189,6 +191,7 @@ class Pilot {
   TimeRequests time_;
   OwnMotion<S> own_;
   VesselTrack<S> leader_;
+  bool leaders_reference_ = false;  // was followed in the last step: not the leader's own motion
   PlanVessel<S> plan_vessel_;
   SlotFollower<S> follower_;
   Neighbours neighbours_;

@@ -12,6 +12,8 @@ constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'00
 constexpr std::int64_t kRestart_us = 1'000'000;
 // A plan's motion is exact: no follower needs it more often.
 constexpr std::int64_t kTold_us = 100'000;
+// A motion that is later than the one held by less than this tells nothing new.
+constexpr std::int64_t kNews_us = 45'000;
 // A future lasts for kFuture_us; a reference that it covers may be followed, and told, for this long.
 constexpr std::int64_t kFuture_us = 12'000'000, kOldestCovered_us = 9'000'000;
 
@@ -47,7 +49,7 @@ void Reference<S>::settle() {
   if (own.leader != place_.own().leader || own.system != place_.own().system) {
     held_.reset();
     guard_ = {};
-    shaped_ = {};
+    shapes_ = false;
     future_.reset();
   }
   place_.configure(own);
@@ -158,13 +160,16 @@ bool Reference<S>::is_near(const convert::Position& own, const convert::RootStat
   return convert::near(own, root.position) && convert::near(own, slot, reach_);
 }
 
-/// Rejects what another boat has already relayed; accepts a restarted maker.
+/// Rejects what another boat has already relayed, and what comes too soon after the one held;
+/// accepts a restarted maker.
 template <class S>
 bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& branch,
                             std::int64_t valid_us) const {
   if (!held_ || held_->branch != branch) return true;
   const auto ahead = static_cast<std::int16_t>(m.sequence - held_->sequence);
-  return ahead > 0 || (ahead < 0 && valid_us - held_->valid_us > kRestart_us);
+  const std::int64_t later_us = valid_us - held_->valid_us;
+  if (ahead > 0) return later_us < 0 || later_us >= kNews_us;
+  return ahead < 0 && later_us > kRestart_us;
 }
 
 /// Believes a state that is plausible after the previous one; false if it is not.
@@ -210,9 +215,13 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const auto message = leader.take_fix();
   if (leads_) return;
   walk(now_us);
-  if (message) core::track_update(core::reference_track<S>(), shaped_, *message);
+  if (place_.branch(now_us)) {
+    shapes_ = false;
+    return;
+  }
+  if (message) shape(leader, *message);
   const auto age_us = leader.age_us(now_us);
-  if (!age_us || place_.branch(now_us) || !leader.has_origin()) return;
+  if (!age_us || !leader.has_origin()) return;
   if (!message) {
     if (!held_ || held_->branch != mine()) return;
     held_->valid_us = now_us - *age_us;
@@ -223,6 +232,16 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
                                    {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_of(root)) {
     hold(mine(), ++made_, *told, root, now_us - *age_us, true, leader.timed());
+  }
+}
+
+/// Begins with the leader's own track: a branch that ends leaves its motion known.
+template <class S>
+void Reference<S>::shape(const VesselTrack<S>& leader, const core::TrackMessage<S>& message) {
+  if (std::exchange(shapes_, true)) {
+    core::track_update(core::reference_track<S>(), shaped_, message);
+  } else {
+    shaped_ = leader.track();
   }
 }
 

@@ -110,6 +110,7 @@ class Reference {
   const Held* held(std::int64_t now_us, std::int64_t oldest_us) const;
   void hold(const auto&... held);
   void settle();
+  void shape(const VesselTrack<S>& leader, const core::TrackMessage<S>& message);
   void walk(std::int64_t now_us);
   const HeldFuture* future(std::int64_t now_us) const;
   std::int64_t lasting_us(std::int64_t now_us, std::int64_t plain_us) const;
@@ -130,7 +131,8 @@ class Reference {
   core::FutureWalk<S> walk_;  // from held_ along future_
   bool walks_ = false;
   std::uint32_t news_ = 0, future_news_ = 0;
-  core::TrackState<S> shaped_;  // the leader's motion, filtered for followers
+  core::TrackState<S> shaped_;  // the leader's motion, filtered for followers, while
+  bool shapes_ = false;         // this boat makes the reference
   std::uint16_t made_ = 0;
 };
 

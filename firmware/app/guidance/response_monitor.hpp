@@ -25,23 +25,20 @@ class ResponseMonitor {
 
   /// The wrench given for `since`, s. Averages over 50 ms: the thrust response takes half a second.
   void push(const core::ControllerParams<S>& law, const core::Tau<S>& given, S since) {
-    impulse_ = {impulse_.X + since * given.X, impulse_.N + since * given.N};
-    impulse_s_ = impulse_s_ + since;
-    if (impulse_s_ < S(0.05)) return;
+    core::impulse_forward(impulse_, given, since);
+    if (impulse_.time < S(0.05)) return;
     const core::ThrustResponseParams<S> params{.vessel = law.vessel, .propellers = law.propellers};
     core::thrust_response_forward(params, state_, fix_, std::exchange(desired_, fix_),
-                                  {impulse_.X / impulse_s_, impulse_.N / impulse_s_},
-                                  core::min(impulse_s_, S(1)));
+                                  {impulse_.sum.X / impulse_.time, impulse_.sum.N / impulse_.time},
+                                  core::min(impulse_.time, S(1)));
     answers_ = core::answers(params, state_);
     impulse_ = {};
-    impulse_s_ = S(0);
   }
 
  private:
   core::ThrustResponse<S> state_{};
   bool answers_ = true;
-  core::Tau<S> impulse_{};  // since the last average, N s, N m s
-  S impulse_s_{};
+  core::Impulse<S> impulse_{};  // since the last average
   core::Nu<S> fix_{};
   core::Nu<S> desired_{};  // without the law, of the last fix
 };

@@ -16,7 +16,7 @@ namespace {
 constexpr float kMaxLate_s = 0.35F;
 constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC's period of 1 s, and time for the answer
 constexpr float kSlewOfLag = 0.2F;             // s per s
-constexpr float kSeldom_s = 0.045F;            // fixes closer together add no information
+constexpr float kLongest_s = 0.6F;             // between two fixes
 
 }  // namespace
 
@@ -49,25 +49,21 @@ void UnitLatency::look_at_clock(bool waits, bool observes, std::int64_t now_us) 
   forget();
 }
 
-void UnitLatency::push(float moment_Nm, float since_s) {
-  core::latency_forward(state_, moment_Nm / yaw_inertia_kgm2_, since_s);
+void UnitLatency::push(float impulse_Nms, float time_s) {
+  core::latency_forward(state_, impulse_Nms / (yaw_inertia_kgm2_ * time_s), time_s);
 }
 
 bool UnitLatency::correct(float r_radps, float dt_s, std::int64_t age_us) {
-  if (!(0 < dt_s && dt_s < 0.5F)) {
+  if (!(0 < dt_s && dt_s < kLongest_s)) {
     state_ = {};
-    fix_s_ = 0;
     return false;
   }
-  fix_s_ += dt_s;
-  if (fix_s_ < kSeldom_s) return false;
-  const float dt = std::exchange(fix_s_, 0.0F);
   const float age = std::max(convert::seconds<float>(age_us) - lag_s_, 0.0F);
-  core::latency_correct(params_, state_, r_radps, age, dt);
+  core::latency_correct(params_, state_, r_radps, age, dt_s);
   const auto late = core::latency_of(params_, state_);
   if (late.known) found_s_ = late.tau;
   if (!found_s_) return false;
-  const float most = kSlewOfLag * dt;
+  const float most = kSlewOfLag * dt_s;
   lag_s_ += std::clamp(std::min(*found_s_, kMaxLate_s) - lag_s_, -most, most);
   set_lag();
   return true;

@@ -22,11 +22,11 @@ class UnitLatency {
   void look_at_clock(bool waits, bool observes, std::int64_t now_us);
   bool estimates() const { return estimates_; }
 
-  /// The moment given for `since_s`, N m.
-  void push(float moment_Nm, float since_s);
+  /// The impulse of the moment given for `time_s`, N m s.
+  void push(float impulse_Nms, float time_s);
 
-  /// Takes a fix with the yaw rate r, dt_s after the last one; age_us includes lag_us(). True if
-  /// lag_us() has changed.
+  /// Takes a fix with the yaw rate r, dt_s after the last one, 0 after a gap; age_us includes
+  /// lag_us(). True if lag_us() has changed.
   [[nodiscard]] bool correct(float r_radps, float dt_s, std::int64_t age_us);
 
   /// Another unit is in use: discards the estimate.
@@ -59,7 +59,6 @@ class UnitLatency {
   core::Latency<float> state_{};
   std::int64_t unanswered_us_ = 0;  // since when TIMESYNC has not bounded its clock; 0: not checked
   bool estimates_ = false;
-  float fix_s_ = 0;  // since the last fix used
   std::optional<float> found_s_;
   float lag_s_ = 0;  // the compensated part of it
   // Of these three, by set_lag():

@@ -2,6 +2,7 @@
 #include "app/navigation/clock_offset.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace flotilla::app {
@@ -20,8 +21,13 @@ constexpr std::int64_t kRounded_us = 100'000;
 
 void ClockOffset::widen(std::int64_t now_us) {
   // Whole microseconds only; the remainder waits for the next call.
-  const std::int64_t by_us = (now_us - widened_us_) * kDrift_ppm / 1'000'000;
-  if (by_us <= 0) return;
+  constexpr std::uint32_t kPerMicrosecond_us = 1'000'000 / kDrift_ppm;
+  const std::int64_t since_us = now_us - widened_us_;
+  if (since_us < kPerMicrosecond_us) return;
+  // 32 bits, which last for an hour: a division of 64 bits is a long function.
+  const bool is_short = since_us <= std::numeric_limits<std::uint32_t>::max();
+  const std::int64_t by_us = is_short ? static_cast<std::uint32_t>(since_us) / kPerMicrosecond_us
+                                      : since_us / kPerMicrosecond_us;
   widened_us_ = now_us;
   if (upper_) *upper_ += by_us;
   if (lower_) *lower_ -= by_us;

@@ -19,15 +19,26 @@ class MotionFilter {
   }
   bool smooths() const { return smooths_; }
 
+  /// On: of frequent states the filter takes one in 45 ms, and believes those between as they are;
+  /// there are no fixes.
+  void stand_by(bool on) {
+    if (std::exchange(stands_by_, on) != on) begin_seldom();
+  }
+
   /// Takes a state, dt after the last one, 0 if no motion led to it; resumes: the last one came
   /// from another source.
   void take(const core::TrackMessage<S>& state, bool resumes) {
+    if (stands_by_ && !resumes && S(0) < state.dt) {
+      take_seldom(state);
+      return;
+    }
     const core::TrackParams<S> params{};
     if (resumes || !smooths_) {
       core::track_resume(params, track_, state);
     } else {
       core::track_update(params, track_, state);
     }
+    if (stands_by_) begin_seldom();
     // Of several states between two ticks the last one counts, with dt over all of them.
     const bool led = track_.dt > S(0) && (!fix_ || fix_->dt > S(0));
     const S since = led ? track_.dt + (fix_ ? fix_->dt : S(0)) : S(0);
@@ -41,8 +52,27 @@ class MotionFilter {
   std::optional<core::TrackMessage<S>> take_fix() { return std::exchange(fix_, std::nullopt); }
 
  private:
-  bool smooths_ = true;
+  void begin_seldom() {
+    filtered_ = track_;
+    since_ = S(0);
+  }
+
+  void take_seldom(const core::TrackMessage<S>& state) {
+    since_ = since_ + state.dt;
+    if (since_ < S(0.045)) {
+      track_.psi = state.psi;
+      track_.nu = state.nu;
+      return;
+    }
+    core::track_update(core::TrackParams<S>{}, filtered_, {state.psi, state.nu, since_});
+    track_ = filtered_;
+    since_ = S(0);
+  }
+
+  bool smooths_ = true, stands_by_ = false;
   core::TrackState<S> track_;
+  core::TrackState<S> filtered_;  // the last one that the filter gave while it stands by
+  S since_{};                     // the state of filtered_
   std::optional<core::TrackMessage<S>> fix_;
 };
 

@@ -9,20 +9,20 @@
 
 namespace flotilla::app {
 
-/// One vessel's clock has one start time, and another after a reboot. The stamps of two vessels
-/// alternate between two. Start times less than 5 s apart count as one: one vessel's messages may
-/// differ by that much in delay.
+/// One vessel's clock has one start time, and another after a reboot, or after 49 days, when its
+/// stamps wrap. The stamps of two vessels alternate between two. Start times less than 5 s apart
+/// count as one: one vessel's messages may differ by that much in delay.
 class Namesake {
  public:
   void hear(std::uint32_t time_boot_ms, std::int64_t now_us) {
-    const std::uint32_t began_ms = static_cast<std::uint32_t>(now_us / 1000) - time_boot_ms;
-    if (!clock_.is(began_ms)) {
+    const std::int64_t began_us = now_us - std::int64_t{time_boot_ms} * 1000;
+    if (!clock_.is(began_us)) {
       std::swap(clock_, other_);
-      const bool returns = clock_.is(began_ms) && now_us - clock_.heard_us < kSilent_us;
+      const bool returns = clock_.is(began_us) && now_us - clock_.heard_us < kSilent_us;
       returns_ = returns ? returns_ + 1 : 0;
       if (returns_ >= kSure) seen_us_ = now_us;
     }
-    clock_ = {began_ms, now_us};
+    clock_ = {began_us, now_us};
   }
 
   /// Within the last ten seconds.
@@ -31,16 +31,13 @@ class Namesake {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::int64_t kSilent_us = 3'000'000, kGone_us = 10'000'000;
-  static constexpr std::int32_t kApart_ms = 5000;
+  static constexpr std::int64_t kApart_us = 5'000'000;
   static constexpr int kSure = 4;  ///< two late messages cause three returns
 
   struct Clock {
-    std::uint32_t began_ms = 0;  ///< by our clock
+    std::int64_t began_us = 0;  ///< by our clock
     std::int64_t heard_us = kNever;
-    bool is(std::uint32_t at_ms) const {
-      return std::abs(static_cast<std::int64_t>(static_cast<std::int32_t>(at_ms - began_ms))) <
-             kApart_ms;
-    }
+    bool is(std::int64_t at_us) const { return std::abs(at_us - began_us) < kApart_us; }
   };
 
   Clock clock_, other_;  ///< heard last, and before

@@ -61,8 +61,8 @@ void Neighbours::configure(std::uint8_t own_system, std::uint8_t leader_system, 
 }
 
 template <class S>
-void Neighbours::take(const link::Received& received, const convert::Position& own,
-                      std::int64_t now_us) {
+void Neighbours::take_news(const link::Received& received, const convert::Position& own,
+                           std::int64_t now_us) {
   const auto [system, component] = received.from;
   if (const auto* ship = std::get_if<link::AisVessel>(&received.message)) {
     take_ais<S>(*ship, own, now_us);
@@ -206,6 +206,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, std::optional<double
     farthest_m = far_m;
   }
   if (place == nullptr) return nullptr;
+  used_ = std::max(used_, static_cast<std::size_t>(place - vessels_.data()) + 1);
   *place = {};
   place->id = id;
   place->true_us = now_us;
@@ -251,12 +252,17 @@ core::OtherVessel<S> Neighbours::seen(const Vessel& v, const convert::Position& 
           age * core::length(v_n) + convert::scalar<S>(v.reach_m)};  // it may have stopped since
 }
 
+bool Neighbours::any(std::int64_t now_us) const {
+  return watches() &&
+         std::ranges::any_of(tracked(), [&](const Vessel& v) { return counts(v, now_us); });
+}
+
 template <class S>
 core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                                      std::int64_t now_us) const {
   core::Traffic<S> out;
   if (!same(own.origin, frame_)) return out;
-  for (const Vessel& v : vessels_) {
+  for (const Vessel& v : tracked()) {
     if (!counts(v, now_us)) continue;
     core::OtherVessel<S>& other = out.vessels[out.count++];
     other = seen(v, own, moved_n, now_us);
@@ -270,15 +276,15 @@ template <class S>
 bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_n,
                        std::int64_t now_us) const {
   if (!watches() || !same(own.origin, frame_)) return true;
-  return std::ranges::none_of(vessels_, [&](const Vessel& v) {
+  return std::ranges::none_of(tracked(), [&](const Vessel& v) {
     return counts(v, now_us) && core::length(seen(v, own, moved_n, now_us).p_n) <
                                     convert::scalar<S>(least_m_ + v.reach_m);
   });
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                                 \
-  template void Neighbours::take<S>(const link::Received&, const convert::Position&,            \
-                                    std::int64_t);                                              \
+  template void Neighbours::take_news<S>(const link::Received&, const convert::Position&,       \
+                                         std::int64_t);                                         \
   template core::Traffic<S> Neighbours::traffic(const convert::Position&, const core::Vec2<S>&, \
                                                 std::int64_t) const;                            \
   template bool Neighbours::clear(const convert::Position&, const core::Vec2<S>&, std::int64_t) \

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "app/convert/convert.hpp"
 #include "core/separation.hpp"
@@ -31,7 +33,12 @@ class Neighbours {
 
   /// Any message. Places are kept in the local frame of `own`. S: scalar of the computation.
   template <class S = double>
-  void take(const link::Received& received, const convert::Position& own, std::int64_t now_us);
+  void take(const link::Received& received, const convert::Position& own, std::int64_t now_us) {
+    if (may_tell(received)) take_news<S>(received, own, now_us);
+  }
+
+  /// There are vessels around.
+  bool any(std::int64_t now_us) const;
 
   /// The vessels around, extrapolated to now, relative to `own` + `moved_n`.
   template <class S>
@@ -67,6 +74,14 @@ class Neighbours {
     std::int64_t late_us = kNever;   ///< when a message last came too late to be used
   };
 
+  /// Whether a message can be of use; false for the states of the own unit and of a virtual leader.
+  bool may_tell(const link::Received& received) const {
+    const auto [system, component] = received.from;
+    if (!link::tells_motion(received.message)) return true;
+    return system != own_system_ && autopilot_[system] == component;
+  }
+  template <class S>
+  void take_news(const link::Received& received, const convert::Position& own, std::int64_t now_us);
   void take_heartbeat(link::Address from, const link::Heartbeat& message);
   void take_depth(std::uint8_t system, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message, std::int64_t now_us);
@@ -84,6 +99,7 @@ class Neighbours {
   static std::int64_t patience_us(const Vessel& vessel);
   static bool counts(const Vessel& vessel, std::int64_t now_us);
   bool has_way(const Vessel& vessel) const;
+  std::span<const Vessel> tracked() const { return std::span(vessels_).first(used_); }
   template <class S>
   static core::OtherVessel<S> seen(const Vessel& vessel, const convert::Position& own,
                                    const core::Vec2<S>& moved_n, std::int64_t now_us);
@@ -95,6 +111,7 @@ class Neighbours {
   link::GpsGlobalOrigin frame_{};  // of all places
   std::int64_t late_us_ = kNever;  // the latest late_us of all
   std::array<Vessel, core::kMaxVessels> vessels_{};
+  std::size_t used_ = 0;                       // of vessels_: none behind these was ever tracked
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
 };
 

@@ -84,6 +84,9 @@ class VesselTrack {
   /// then each message is believed as it is.
   void set_smoothing(bool smooths) { filter_.set_smoothing(smooths); }
 
+  /// Its motion is not followed now: it is filtered less often.
+  void stand_by(bool stands_by) { filter_.stand_by(stands_by); }
+
   /// Change of velocity that the propellers alone would have caused since the last call, m/s.
   void push(S change_mps) { liveness_.push(change_mps); }
 
@@ -128,6 +131,9 @@ class VesselTrack {
 
   /// Motion extrapolated from the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
+
+  /// The filter behind motion(), at the last sample.
+  const core::TrackState<S>& track() const { return filter_.track(); }
 
   /// How far motion()'s position may be off, m; nothing if unknown.
   std::optional<double> uncertainty_m(std::int64_t now_us) const;

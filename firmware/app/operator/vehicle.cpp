@@ -113,6 +113,7 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   }
   heard_ = std::max(heard_, received.is_signed ? Heard::kSigned : Heard::kMessage);
   router_.heard(received.from, link, now_us);
+  if (link::tells_motion(received.message)) return false;
   if (beat != nullptr) take_beat(received.from, *beat, now_us);
   if (received.target.system != 0) forward(link, received, now_us, counters);
   if (!identity_.addressed(received.target)) return true;

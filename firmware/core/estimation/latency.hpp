@@ -34,7 +34,7 @@ template <class S>
 struct LatencyParams {
   S d{};  ///< δ
   S h = S(0.05);
-  S step = S(0.061);  ///< longest step of the integration, s
+  S step = S(0.11);  ///< longest step of the integration, s
   S R = S(0.0001);
   S q_r = S(0.01), q_b = S(0.3), q_gamma = S(0.0001);
   S memory = S(60);  ///< of λ = 1 − dt/memory, s
@@ -48,8 +48,8 @@ struct LatencyParams {
 template <class S>
 struct Latency {
   static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
-  static constexpr int kLength = 128;
-  static constexpr S kBin = S(0.01);  ///< s
+  static constexpr int kLength = 64;
+  static constexpr S kBin = S(0.02);  ///< s
   /// The last filter: the boat does not respond, γ = 0.
   using Filters = Eigen::Array<S, kHypotheses + 1, 1>;
   struct {

@@ -98,7 +98,11 @@ class Q16 {
   /// x / 2¹⁶, for |x| < 2⁶³ − 2¹⁶, as any product is; does not wrap.
   static constexpr Q16 rounded(std::int64_t x) {
     const std::uint32_t odd = static_cast<std::uint32_t>(x) >> 16 & 1;
-    return of_raw(saturated((x + (0x7FFF + odd)) >> 16));
+    const std::int64_t raw = (x + (0x7FFF + odd)) >> 16;
+    const auto same = static_cast<std::int32_t>(raw);
+    if (same == raw) [[likely]]
+      return of_raw(same);
+    return of_raw(end_of_sum(x < 0));
   }
 
   /// The nearest raw value in range.

@@ -34,7 +34,8 @@ constexpr std::uint32_t phase(Q16 x) {
   const auto turned = Q16::of_raw(static_cast<std::int32_t>(phase));
   const std::uint32_t z = magnitude(turned.raw());
   // sin(½π z) = z (c0 − z² (c1 − …)), z² in 2⁻³¹, c_k in 2⁻³¹⁻ᵏ
-  const auto zz = static_cast<std::uint32_t>((std::uint64_t{z} * z) >> 29);
+  const std::uint64_t square = std::uint64_t{z} * z;  // its halves: all that follows is 32 bits
+  const std::uint32_t zz = high(square) << 3 | low(square) >> 29;
   std::uint32_t p = 5182123U;
   p = 80268224U - high_product(zz, p);
   p = 684518818U - high_product(zz, p);

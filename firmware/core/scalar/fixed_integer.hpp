@@ -8,9 +8,12 @@
 
 namespace flotilla::core::fixed {
 
+constexpr std::uint32_t high(std::uint64_t x) { return static_cast<std::uint32_t>(x >> 32); }
+constexpr std::uint32_t low(std::uint64_t x) { return static_cast<std::uint32_t>(x); }
+
 /// a b / 2³²
 constexpr std::uint32_t high_product(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint32_t>((std::uint64_t{a} * b) >> 32);
+  return high(std::uint64_t{a} * b);
 }
 
 constexpr std::uint32_t magnitude(std::int32_t x) {

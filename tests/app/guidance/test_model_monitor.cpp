@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "app/guidance/model_monitor.hpp"
@@ -32,6 +33,7 @@ struct Boat {
   UnlikeHull hull;
   Parameters p = told();
   ModelMonitor monitor{};
+  core::Impulse<float> given{};
   std::int64_t now_us = 0;
   std::vector<ModelMonitor::Finding> findings{};
   float fastest = 0;  ///< step of THR_BALANCE
@@ -51,11 +53,12 @@ struct Boat {
       hull.step(tau);
       hull.balance = balance;
       const auto f = [](double x) { return static_cast<float>(x); };
-      if (!monitor.push({f(tau.X), f(tau.N)}, 0.01F)) continue;
+      core::impulse_forward(given, {f(tau.X), f(tau.N)}, 0.01F);
+      if (given.time < ModelMonitor::kSample_s) continue;
       const core::Nu<double> nu = hull.seen();
       const float before = monitor.applied(p).THR_BALANCE;
-      if (monitor.take({f(nu.u), f(nu.v), f(nu.r)}, {f(std::sin(hull.psi)), f(std::cos(hull.psi))},
-                       {}, now_us)) {
+      if (monitor.take(std::exchange(given, {}), {f(nu.u), f(nu.v), f(nu.r)},
+                       {f(std::sin(hull.psi)), f(std::cos(hull.psi))}, {}, now_us)) {
         monitor.configure(p, 0);
       }
       fastest = std::max(fastest, std::abs(monitor.applied(p).THR_BALANCE - before));

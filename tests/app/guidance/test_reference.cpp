@@ -337,6 +337,15 @@ TEST_CASE("what was heard before, or is older, changes nothing") {
   CHECK(off_m(f.boat, 2 * kSecond_us) < 0.01);
 }
 
+TEST_CASE("of a hundred references a second a fifth is taken, and the root is known as well") {
+  Follower f;
+  for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += kTick_us) {
+    f.hear(Follower::reference(us, ++f.sequence), us);
+  }
+  CHECK(f.news() == 20);
+  CHECK(off_m(f.boat, 2 * kSecond_us) < 0.01);
+}
+
 TEST_CASE("a sequence that begins anew after 65536 goes on") {
   Follower f;
   f.sequence = 65'530;

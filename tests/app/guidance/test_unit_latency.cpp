@@ -36,7 +36,7 @@ struct Turning {
       latency.look_at_clock(waits, observes, now_us);
       r.push_front(r.front() + 0.01 * (n - 2.4 * r.front()));
       if (!latency.estimates()) continue;
-      latency.push(static_cast<float>(n) * kInertia, 0.01F);
+      latency.push(static_cast<float>(n) * kInertia * 0.01F, 0.01F);
       if (i % 5 != 0 || r.size() < 21) continue;
       const std::int64_t before_us = lag_us();
       const bool moved = latency.correct(static_cast<float>(r[20]), 0.05F, before_us);

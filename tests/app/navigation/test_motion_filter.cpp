@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "app/navigation/motion_filter.hpp"
 
 namespace flotilla::app {
@@ -50,6 +52,24 @@ TEST_CASE_TEMPLATE(
   filter.forget();
   take(filter, 2, 0);
   CHECK(filter.take_fix().value().dt == S(0));
+}
+
+TEST_CASE_TEMPLATE("a filter that stands by knows the acceleration as well, and gives no fixes", S,
+                   float, double) {
+  MotionFilter<S> filter;
+  filter.stand_by(true);
+  take(filter, 0, 0);
+  CHECK(filter.take_fix().has_value());  // the first one restarts it
+  for (int k = 1; k <= 300; ++k) {
+    take(filter, 0.01 * k, 0.01);
+    CHECK(std::abs(double(filter.track().nu.u) - 0.01 * k) < 0.04);  // a sudden start
+    CHECK_FALSE(filter.take_fix());
+  }
+  CHECK(double(filter.track().nu_dot.u) == doctest::Approx(1).epsilon(0.05));
+  filter.stand_by(false);
+  take(filter, 3.01, 0.01);
+  CHECK(double(filter.track().nu_dot.u) == doctest::Approx(1).epsilon(0.05));
+  CHECK(double(filter.take_fix().value().dt) == doctest::Approx(0.01));
 }
 
 }  // namespace
