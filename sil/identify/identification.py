@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sil.identify import oddities, propeller_signs
+from sil.identify.equations import Problem
 from sil.identify.hull_terms import LOCAL, TERMS
 from sil.identify.intervals import Intervals, intervals
 from sil.identify.output_error import (
     AT_ONCE,
     BY_AND_BY,
     Fit,
-    Problem,
     Schedule,
     Told,
     fit,

@@ -41,7 +41,9 @@ HULL_TERMS = (
     "munk",
     "advance",
     "lag",
-    "wind_side",
+    "wind_x",
+    "wind_y",
+    "wind_n",
 )
 
 
