@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import lsq_linear
 
-from sil.identify.hull_terms import GUSTS, LOCAL, Term
+from sil.identify.hull_terms import GUSTS, INDEX, LOCAL, MEASURED, Term
 from sil.identify.voyage_log import Array
-from sil.identify.voyage_model import Body, simulate
+from sil.identify.voyage_model import Body, measured, sail, simulate
 from sil.identify.windows import Windows
 
 Bools = npt.NDArray[np.bool_]
@@ -27,6 +27,7 @@ _OWN = _STATES + _GUSTS
 _LOCAL_GUESS = np.array([term.guess for term in LOCAL])
 _LOCAL_SPREAD = np.array([term.spread for term in LOCAL])
 _GUST_SPREAD = np.array([term.spread for term in GUSTS])
+_ONLY_MEASURED = frozenset(INDEX[name] for name in MEASURED)
 
 
 @dataclass(frozen=True)
@@ -55,25 +56,15 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Spread:
-    """What errors are measured by: sigma (6) of each channel, gust (6) in deviations of `GUSTS`."""
-
-    sigma: Array
-    gust: Array
-
-
-@dataclass(frozen=True)
 class Equations:
     """Of W windows without what is their own: A δ = e as AᵀA (W, n, n) and Aᵀe (W, n).
 
-    back: what changes of the rest (W, n) change of a window's own (12, W). unsure (6, W): variance
-    that a gust still has.
+    back: change of the windows' own (12, W) that goes with changes (W, n) of the rest.
     """
 
     squares: Array
     right: Array
     back: Callable[[Array], Array]
-    unsure: Array
 
     def counted(self, counts: Array) -> "Equations":
         """Each window counted so often."""
@@ -125,21 +116,21 @@ def values_of(problem: Problem, z: Array, values: Array) -> Array:
     return out
 
 
-def equations_of(problem: Problem, point: Point, values: Array, spread: Spread) -> Equations:
+def equations_of(problem: Problem, point: Point, values: Array, sigma: Array) -> Equations:
     """Derivatives by differences, all columns in one simulation; a window's own go by QR."""
     windows, free = problem.windows, int(problem.free.sum())
     shared = free + _PLACES
     out, steps = _perturbed(problem, point, values)
-    weight = np.isfinite(windows.measured) / spread.sigma[:, None]
+    weight = np.isfinite(windows.measured) / sigma[:, None]
     error = np.nan_to_num(windows.measured - out[..., 0]) * weight
     slopes = (out[..., 1:] - out[..., :1]) / steps * weight[..., None]
     count = len(windows)
     e = np.moveaxis(error, 2, 0).reshape(count, -1)
     j = np.moveaxis(slopes, 2, 0).reshape(count, e.shape[1], -1)
     # The rows of what is believed of a window's gust.
-    e = np.hstack([e, -point.gust.T / spread.gust])
+    e = np.hstack([e, -point.gust.T])
     believed = np.zeros((count, _GUSTS, j.shape[2]))
-    believed[:, :, shared + _STATES :] = np.diag(1.0 / spread.gust)
+    believed[:, :, shared + _STATES :] = np.eye(_GUSTS)
     j = np.concatenate([j, believed], axis=1)
     q, r = np.linalg.qr(j[:, :, shared:])
     turned = np.swapaxes(q, 1, 2)
@@ -148,37 +139,51 @@ def equations_of(problem: Problem, point: Point, values: Array, spread: Spread) 
     ridge = r + 1e-9 * np.eye(_OWN)
 
     def back(delta: Array) -> Array:
-        """Change of the windows' own (9, W) that goes with (W, n) changes of the rest."""
         right = onto - np.einsum("wkn,wn->wk", seen, delta)
         return np.linalg.solve(ridge, right[:, :, None])[:, :, 0].T
 
     turned = np.swapaxes(rest, 1, 2)
-    inverse = np.linalg.inv(ridge)[:, _STATES:]
-    unsure = (inverse**2).sum(axis=2).T
-    return Equations(turned @ rest, (turned @ e[:, :, None])[:, :, 0], back, unsure)
+    return Equations(turned @ rest, (turned @ e[:, :, None])[:, :, 0], back)
 
 
 def _perturbed(problem: Problem, point: Point, values: Array) -> tuple[Array, Array]:
-    """Simulated (samples, 6, W, 1 + n): as it is, then each number changed by its step (n)."""
-    free = int(problem.free.sum())
-    columns = 1 + free + _PLACES + _OWN
+    """Simulated (samples, 6, W, 1 + n): as it is, then each number changed by its step (n).
+
+    Columns: terms, current and wind, state at the begin, gusts. A number that changes what is
+    measured, not the motion through the water, needs no simulation of its own.
+    """
+    searched = np.flatnonzero(problem.free)
+    current = 1 + len(searched)
+    begin = current + _PLACES
+    columns = begin + _OWN
     full = values_of(problem, point.z, values)
     terms = np.repeat(full[:, None], columns, axis=1)
     places = np.repeat(places_of(problem, point)[:, :, None], columns, axis=2)
     start = np.repeat(point.start[:, :, None], columns, axis=2)
     steps = np.full(columns, _STEP)
-    for c, k in enumerate(np.flatnonzero(problem.free), start=1):
+    for c, k in enumerate(searched, start=1):
         term = problem.terms[k]
         if full[k] + _STEP * term.spread > term.greatest:
             steps[c] = -_STEP
         terms[k, c] += steps[c] * term.spread
     for c, spread in enumerate(_LOCAL_SPREAD):
-        places[c, :, 1 + free + c] += _STEP * spread
+        places[c, :, current + c] += _STEP * spread
     for c in range(_STATES):
-        start[c, :, 1 + free + _PLACES + c] += _STEP
+        start[c, :, begin + c] += _STEP
     for c, spread in enumerate(_GUST_SPREAD):
-        places[2 + c, :, 1 + free + _PLACES + _STATES + c] += _STEP * spread
-    return simulate(terms, places, start, problem.windows.commands, problem.body), steps[1:]
+        places[2 + c, :, begin + _STATES + c] += _STEP * spread
+    alike = [c for c, k in enumerate(searched, start=1) if k in _ONLY_MEASURED]
+    alike += [current, current + 1, begin, begin + 1]
+    own = np.setdiff1d(np.arange(columns), alike)
+    commands, body = problem.windows.commands, problem.body
+    out = np.empty((len(problem.windows.measured), _STATES, len(problem.windows), columns))
+    out[..., own] = sail(terms[:, own], places[..., own], start[..., own], commands, body)
+    out[..., alike] = out[..., :1]
+    t = np.arange(len(out))[:, None] * body.h_s
+    for c in range(2):
+        out[:, c, :, current + c] += t * _STEP * _LOCAL_SPREAD[c]
+        out[:, c, :, begin + c] += _STEP
+    return measured(out, terms, places, body.h_s), steps[1:]
 
 
 def summed(problem: Problem, equations: Equations, counts: Array) -> tuple[Array, Array]:
@@ -195,6 +200,7 @@ def summed(problem: Problem, equations: Equations, counts: Array) -> tuple[Array
 
 
 def moved_by(problem: Problem, point: Point, equations: Equations, damping: float) -> Point:
+    """Where the equations' step leads."""
     h, g = summed(problem, equations, np.ones(len(problem.windows)))
     delta = step(problem, h, g, np.concatenate([point.z, point.local.ravel()]), damping)
     free = int(problem.free.sum())

@@ -92,3 +92,5 @@ GUSTS = (
 )
 NAMES = tuple(term.name for term in TERMS)
 INDEX = {name: k for k, name in enumerate(NAMES)}
+# Terms that change what the log has of a motion, not the motion.
+MEASURED = NAMES[INDEX["antenna_x"] : INDEX["compass_cos"] + 1]

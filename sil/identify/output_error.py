@@ -2,11 +2,10 @@
 """Output error: the terms with which open-loop simulation comes nearest to the logs.
 
 Minimises Σ |(measured − simulated) / σ|² / κ + Σ z² over the terms z (in deviations from their
-guesses), current and push of each log, and of each window its gust and the state in which it
-begins. What is a window's own is eliminated window by window (variable projection: Golub and
-Pereyra 1973), the rest is a damped Gauss-Newton step within bounds. κ samples of a residual count
-as one, since they are alike.
-σ of each channel is the residuals' own, found in rounds.
+guesses), current and wind of each log, and of each window its gust and the state in which it
+begins: a damped Gauss-Newton step within bounds, again and again (`equations`). κ samples of a
+residual count as one: κ = 1 + 2 Σ ρ_k, where neighbours at k samples correlate by ρ_k, or a whole
+window. σ of each channel is the residuals' own; both are found in rounds.
 Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4, 5 and 9.
 """
 
@@ -19,7 +18,6 @@ from sil.identify.equations import (
     Equations,
     Point,
     Problem,
-    Spread,
     equations_of,
     local_of,
     moved_by,
@@ -35,41 +33,46 @@ from sil.identify.windows import first_start
 Told = Callable[[float], None]
 
 
+# A window of a channel.
+_ALIKE = 100.0
+
+
 @dataclass(frozen=True)
 class Schedule:
     """How a search goes.
 
     rounds: gate (of the dead band, wide at first to be found from afar), share of each window that
-    counts. odd: a window above so many times the median window's cost counts less.
+    counts. alike: κ; None: as the residuals' neighbours correlate. odd: a window above so many
+    times the median window's cost counts less.
     """
 
     rounds: tuple[tuple[float, float], ...]
+    alike: float | None = None
     odd: float = np.inf
 
 
-# A boat of which a log tells little needs whole windows. An unstable one is soon far from where
-# first guesses take it: it needs their begin first, and some of its windows say nothing.
-AT_ONCE = Schedule(((0.5, 1.0), (0.2, 1.0), (0.05, 1.0)))
+# A boat of which a log tells little needs whole windows, and what is believed of its terms. An
+# unstable one is soon far from where first guesses take it: it needs their begin first, and some of
+# its windows say nothing.
+AT_ONCE = Schedule(((0.5, 1.0), (0.2, 1.0), (0.05, 1.0)), alike=_ALIKE)
 BY_AND_BY = Schedule(((0.5, 0.25), (0.2, 0.5), (0.05, 1.0)), odd=5.0)
 
 # m, m, rad, m/s, m/s, rad/s: the first round's deviations, and the least that later ones take.
 _FIRST_SIGMA = 10.0 * np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
 _LEAST_SIGMA = np.array([0.02, 0.02, 0.005, 0.01, 0.01, 0.005])
-_ALIKE = 100.0  # κ at most: a window of a channel
 _ITERATIONS = 12
 _SHARES = (1.0, 0.3, 0.0)
 _NONE = 0.02  # of a correlation
-PAIRS = ([0, 1], [3, 4])
 
 
 @dataclass(frozen=True)
 class Fit:
-    """values (K) of the terms; local (logs, 4); start (6, W); equations of each window."""
+    """values (K) of the terms; local (logs, 4); start (6, W); σ √κ; equations of each window."""
 
     values: Array
     local: Array
     start: Array
-    spread: Spread
+    sigma: Array
     cost: float
     equations: Equations
 
@@ -81,21 +84,21 @@ def fit(whole: Problem, values: Array, schedule: Schedule, told: Told) -> Fit:
     count = len(whole.windows)
     places, gusts = np.zeros((whole.logs, len(LOCAL))), np.zeros((len(GUSTS), count))
     point = Point(z, places, first_start(whole.windows), gusts)
-    problem, spread = whole, Spread(_FIRST_SIGMA, np.ones(len(GUSTS)))
+    problem, sigma = whole, _FIRST_SIGMA
     costs = np.zeros(count)
     for turn, (gate, share) in enumerate(schedule.rounds):
         if turn > 0:
-            spread = _spread_of(problem, point, values, equations)
+            sigma = _sigma_of(problem, point, values, schedule.alike)
         body, windows = replace(whole.body, gate=gate), whole.windows.begun(share)
         problem = replace(whole, body=body, windows=windows)
         part = part_of(told, turn / len(schedule.rounds), (turn + 1) / len(schedule.rounds))
-        point, costs = _descend(problem, point, values, spread, schedule.odd, part)
-        equations = equations_of(problem, point, values, spread)
+        point, costs = _descend(problem, point, values, sigma, schedule.odd, part)
+    equations = equations_of(problem, point, values, sigma)
     equations = equations.counted(_counts(costs, schedule.odd))
     local = local_of(point)
     full = values_of(problem, point.z, values)
     cost = _cost(point, costs, schedule.odd)
-    return Fit(full, local, point.start, spread, cost, equations)
+    return Fit(full, local, point.start, sigma, cost, equations)
 
 
 def part_of(told: Told, begin: float, end: float) -> Told:
@@ -104,19 +107,19 @@ def part_of(told: Told, begin: float, end: float) -> Told:
 
 
 def _descend(
-    problem: Problem, point: Point, values: Array, spread: Spread, odd: float, told: Told
+    problem: Problem, point: Point, values: Array, sigma: Array, odd: float, told: Told
 ) -> tuple[Point, Array]:
     """Down to the lowest point within reach; there, the cost of each window."""
     damping = 1e-2
-    costs = _costs(problem, point, values, spread)
+    costs = _costs(problem, point, values, sigma)
     for turn in range(_ITERATIONS):
         told(turn / _ITERATIONS)
-        equations = equations_of(problem, point, values, spread)
+        equations = equations_of(problem, point, values, sigma)
         equations = equations.counted(_counts(costs, odd))
         before = cost = _cost(point, costs, odd)
         for _ in range(6):
             moved = moved_by(problem, point, equations, damping)
-            trial, there = _eased(problem, point, moved, values, spread)
+            trial, there = _eased(problem, point, moved, values, sigma)
             if _cost(trial, there, odd) < before:
                 point, costs, damping = trial, there, max(damping * 0.1, 1e-6)
                 cost = _cost(point, costs, odd)
@@ -127,13 +130,12 @@ def _descend(
     return point, costs
 
 
-def _costs(problem: Problem, point: Point, values: Array, spread: Spread) -> Array:
+def _costs(problem: Problem, point: Point, values: Array, sigma: Array) -> Array:
     """Of each window (W): its errors, and what is believed of its gust."""
     places = places_of(problem, point)
     error = residuals(problem, values_of(problem, point.z, values), places, point.start)
-    scaled = np.nan_to_num(error / spread.sigma[:, None])
-    gust = point.gust / spread.gust[:, None]
-    costs: Array = (scaled**2).sum(axis=(0, 1)) + (gust**2).sum(axis=0)
+    scaled = np.nan_to_num(error / sigma[:, None])
+    costs: Array = (scaled**2).sum(axis=(0, 1)) + (point.gust**2).sum(axis=0)
     return costs
 
 
@@ -152,7 +154,7 @@ def _counts(costs: Array, odd: float) -> Array:
 
 
 def _eased(
-    problem: Problem, point: Point, moved: Point, values: Array, spread: Spread
+    problem: Problem, point: Point, moved: Point, values: Array, sigma: Array
 ) -> tuple[Point, Array]:
     """`moved`, but of its own way each window goes the share of `_SHARES` that costs least.
 
@@ -164,7 +166,7 @@ def _eased(
     for share in _SHARES:
         start = point.start + share * (moved.start - point.start)
         gust = point.gust + share * (moved.gust - point.gust)
-        costs = _costs(problem, replace(moved, start=start, gust=gust), values, spread)
+        costs = _costs(problem, replace(moved, start=start, gust=gust), values, sigma)
         better = costs < least
         best = replace(
             best,
@@ -175,23 +177,16 @@ def _eased(
     return best, least
 
 
-def _spread_of(problem: Problem, point: Point, values: Array, equations: Equations) -> Spread:
-    """Of the residuals, each channel's, and of the gusts, as these windows have them."""
+def _sigma_of(problem: Problem, point: Point, values: Array, alike: float | None) -> Array:
+    """The residuals' deviations (6), times √κ."""
     places = places_of(problem, point)
     error = residuals(problem, values_of(problem, point.z, values), places, point.start)
     with np.errstate(invalid="ignore"):
         rms = np.sqrt(np.nanmean(error**2, axis=(0, 2)))
     rms[:2] = np.sqrt((rms[:2] ** 2).mean())
-    alike = np.array([_alike(np.nan_to_num(error[:, k])) for k in range(len(rms))])
-    sigma: Array = np.maximum(np.nan_to_num(rms, nan=1.0), _LEAST_SIGMA) * np.sqrt(alike)
-    gust = np.sqrt((point.gust**2 + equations.unsure).mean(axis=1))
-    for pair in PAIRS:
-        gust[pair] = np.sqrt((gust[pair]**2).mean())
-    import os
-    if 'HK' in os.environ: sigma = np.maximum(np.nan_to_num(rms, nan=1.0), _LEAST_SIGMA) * 10.0
-    if 'HG' in os.environ: gust = np.ones(6)
-    if 'HR' in os.environ: gust[3:] = 0.01
-    return Spread(sigma, gust)
+    kappa = [alike or _alike(np.nan_to_num(error[:, k])) for k in range(len(rms))]
+    sigma: Array = np.maximum(np.nan_to_num(rms, nan=1.0), _LEAST_SIGMA) * np.sqrt(kappa)
+    return sigma
 
 
 def _alike(error: Array) -> float:
