@@ -32,12 +32,16 @@ _ONLY_MEASURED = frozenset(INDEX[name] for name in MEASURED)
 
 @dataclass(frozen=True)
 class Problem:
-    """Windows, hull, terms (with guesses for this hull) and which of them are searched."""
+    """Windows, hull, terms (with guesses for this hull) and which of them are searched.
+
+    gusts: by how much they are stronger than `GUSTS`.
+    """
 
     windows: Windows
     body: Body
     terms: tuple[Term, ...]
     free: Bools
+    gusts: float = 1.0
 
     @property
     def logs(self) -> int:
@@ -90,7 +94,7 @@ def residuals(problem: Problem, values: Array, places: Array, start: Array) -> A
 def places_of(problem: Problem, point: Point) -> Array:
     """Current, wind and moment in each window, and how the last rise (8, W)."""
     local = local_of(point)[problem.windows.log].T
-    gust = point.gust * _GUST_SPREAD[:, None]
+    gust = problem.gusts * point.gust * _GUST_SPREAD[:, None]
     return np.vstack([local[:2], local[2:] + gust[:2], gust[2:]])
 
 
@@ -171,7 +175,7 @@ def _perturbed(problem: Problem, point: Point, values: Array) -> tuple[Array, Ar
     for c in range(_STATES):
         start[c, :, begin + c] += _STEP
     for c, spread in enumerate(_GUST_SPREAD):
-        places[2 + c, :, begin + _STATES + c] += _STEP * spread
+        places[2 + c, :, begin + _STATES + c] += _STEP * problem.gusts * spread
     alike = [c for c, k in enumerate(searched, start=1) if k in _ONLY_MEASURED]
     alike += [current, current + 1, begin, begin + 1]
     own = np.setdiff1d(np.arange(columns), alike)

@@ -50,7 +50,7 @@ TERMS = (
     Term("d33", 0.3, 1.0, 0.0, 100.0, 2, "yaw damping, linear"),
     Term("d33_quadratic", 0.1, 0.5, 0.0, 100.0, 2, "yaw damping, quadratic"),
     Term("d33_speed", 0.1, 0.5, 0.0, 20.0, 1, "yaw damping that grows with speed ahead"),
-    Term("munk", 0.0, 0.05, -5.0, 5.0, 0, "moment of u v beyond the inertias'"),
+    Term("munk", 0.0, 0.3, -5.0, 5.0, 0, "moment of u v beyond the inertias'"),
     Term("forward", 1.5, 20.0, 0.05, 60.0, 0, "thrust of one propeller, full ahead"),
     Term("reverse", 0.8, 0.3, 0.05, 3.0, 0, "thrust full astern as a share of full ahead"),
     Term("gain", 0.0, 0.07, -0.6, 0.6, 0, "starboard stronger, port weaker by this share"),
@@ -78,16 +78,16 @@ TERMS = (
 LOCAL = (
     Term("current_north", 0.0, 0.05, -2.0, 2.0, 0, "current"),
     Term("current_east", 0.0, 0.05, -2.0, 2.0, 0, "current"),
-    Term("wind_north", 0.0, 4.0, -20.0, 20.0, 0, "wind"),
-    Term("wind_east", 0.0, 4.0, -20.0, 20.0, 0, "wind"),
+    Term("wind_north", 0.0, 2.0, -20.0, 20.0, 0, "wind"),
+    Term("wind_east", 0.0, 2.0, -20.0, 20.0, 0, "wind"),
 )
 # Of each window, beside its log's: gusts and waves.
 GUSTS = (
-    Term("gust_north", 0.0, 1.0, -20.0, 20.0, 0, "wind beyond the log's"),
-    Term("gust_east", 0.0, 1.0, -20.0, 20.0, 0, "wind beyond the log's"),
+    Term("gust_north", 0.0, 0.4, -20.0, 20.0, 0, "wind beyond the log's"),
+    Term("gust_east", 0.0, 0.4, -20.0, 20.0, 0, "wind beyond the log's"),
     Term("gust_turn", 0.0, 0.0015, -2.0, 2.0, 1, "moment of a gust"),
-    Term("gust_north_rise", 0.0, 0.6, -20.0, 20.0, 0, "its change in half a window"),
-    Term("gust_east_rise", 0.0, 0.6, -20.0, 20.0, 0, "its change in half a window"),
+    Term("gust_north_rise", 0.0, 0.25, -20.0, 20.0, 0, "its change in half a window"),
+    Term("gust_east_rise", 0.0, 0.25, -20.0, 20.0, 0, "its change in half a window"),
     Term("gust_turn_rise", 0.0, 0.0009, -2.0, 2.0, 1, "its change in half a window"),
 )
 NAMES = tuple(term.name for term in TERMS)

@@ -42,12 +42,13 @@ class Schedule:
     """How a search goes.
 
     rounds: gate (of the dead band, wide at first to be found from afar), share of each window that
-    counts. alike: κ; None: as the residuals' neighbours correlate. odd: a window above so many
-    times the median window's cost counts less.
+    counts. alike: κ; None: as the residuals' neighbours correlate. gusts: as `Problem` has them.
+    odd: a window above so many times the median window's cost counts less.
     """
 
     rounds: tuple[tuple[float, float], ...]
     alike: float | None = None
+    gusts: float = 1.0
     odd: float = np.inf
 
 
@@ -55,7 +56,7 @@ class Schedule:
 # unstable one is soon far from where first guesses take it: it needs their begin first, and some of
 # its windows say nothing.
 AT_ONCE = Schedule(((0.5, 1.0), (0.2, 1.0), (0.05, 1.0)), alike=_ALIKE)
-BY_AND_BY = Schedule(((0.5, 0.25), (0.2, 0.5), (0.05, 1.0)), odd=5.0)
+BY_AND_BY = Schedule(((0.5, 0.25), (0.2, 0.5), (0.05, 1.0)), gusts=2.0, odd=5.0)
 
 # m, m, rad, m/s, m/s, rad/s: the first round's deviations, and the least that later ones take.
 _FIRST_SIGMA = 10.0 * np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
@@ -79,6 +80,7 @@ class Fit:
 
 def fit(whole: Problem, values: Array, schedule: Schedule, told: Told) -> Fit:
     """Search from `values` (K); told(share) hears of the progress."""
+    whole = replace(whole, gusts=schedule.gusts)
     guess, deviation = scale_of(whole)
     z = ((values - guess) / deviation)[whole.free]
     count = len(whole.windows)
