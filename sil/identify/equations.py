@@ -26,7 +26,6 @@ _STATES, _PLACES, _GUSTS = 6, len(LOCAL), len(GUSTS)
 _OWN = _STATES + _GUSTS
 _LOCAL_GUESS = np.array([term.guess for term in LOCAL])
 _LOCAL_SPREAD = np.array([term.spread for term in LOCAL])
-_GUST_SPREAD = np.array([term.spread for term in GUSTS])
 _ONLY_MEASURED = frozenset(INDEX[name] for name in MEASURED)
 
 
@@ -34,7 +33,7 @@ _ONLY_MEASURED = frozenset(INDEX[name] for name in MEASURED)
 class Problem:
     """Windows, hull, terms (with guesses for this hull) and which of them are searched.
 
-    gusts: by how much they are stronger than `GUSTS`.
+    gusts: how much more the wind changes than `GUSTS` have it.
     """
 
     windows: Windows
@@ -42,6 +41,12 @@ class Problem:
     terms: tuple[Term, ...]
     free: Bools
     gusts: float = 1.0
+
+    @property
+    def gust_spread(self) -> Array:
+        """Deviations of a window's gust (6)."""
+        stronger = [1.0 if "turn" in term.name else self.gusts for term in GUSTS]
+        return np.array([term.spread for term in GUSTS]) * stronger
 
     @property
     def logs(self) -> int:
@@ -94,7 +99,7 @@ def residuals(problem: Problem, values: Array, places: Array, start: Array) -> A
 def places_of(problem: Problem, point: Point) -> Array:
     """Current, wind and moment in each window, and how the last rise (8, W)."""
     local = local_of(point)[problem.windows.log].T
-    gust = problem.gusts * point.gust * _GUST_SPREAD[:, None]
+    gust = point.gust * problem.gust_spread[:, None]
     return np.vstack([local[:2], local[2:] + gust[:2], gust[2:]])
 
 
@@ -174,8 +179,8 @@ def _perturbed(problem: Problem, point: Point, values: Array) -> tuple[Array, Ar
         places[c, :, current + c] += _STEP * spread
     for c in range(_STATES):
         start[c, :, begin + c] += _STEP
-    for c, spread in enumerate(_GUST_SPREAD):
-        places[2 + c, :, begin + _STATES + c] += _STEP * problem.gusts * spread
+    for c, spread in enumerate(problem.gust_spread):
+        places[2 + c, :, begin + _STATES + c] += _STEP * spread
     alike = [c for c, k in enumerate(searched, start=1) if k in _ONLY_MEASURED]
     alike += [current, current + 1, begin, begin + 1]
     own = np.setdiff1d(np.arange(columns), alike)

@@ -56,7 +56,7 @@ class Schedule:
 # unstable one is soon far from where first guesses take it: it needs their begin first, and some of
 # its windows say nothing.
 AT_ONCE = Schedule(((0.5, 1.0), (0.2, 1.0), (0.05, 1.0)), alike=_ALIKE)
-BY_AND_BY = Schedule(((0.5, 0.25), (0.2, 0.5), (0.05, 1.0)), gusts=2.0, odd=5.0)
+BY_AND_BY = Schedule(((0.5, 0.25), (0.2, 0.5), (0.05, 1.0)), gusts=3.0, odd=5.0)
 
 # m, m, rad, m/s, m/s, rad/s: the first round's deviations, and the least that later ones take.
 _FIRST_SIGMA = 10.0 * np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
