@@ -5,8 +5,9 @@ import pytest
 
 from tests.loop.identified import Found, measured
 
-# About twice the errors of these hulls. A BlueBoat's moment at 0.1 rad/s at rest is 0.05 N m. A Heron is unstable on a straight
-# course: a search over whole windows at once got stuck there, 29 % off in drag.
+# About twice the errors of these hulls. At rest a BlueBoat's moment at 0.1 rad/s is 0.05 N m. A
+# Heron is unstable on a straight course: a search over whole windows at once got stuck there, 29 %
+# off in drag.
 BOUNDS = {
     "otter": {"drag 0.5": 0.03, "drag 1": 0.03, "yaw 0.1": 0.08, "yaw 0.3": 0.05, "m33": 0.06},
     "blueboat": {"drag 0.5": 0.04, "drag 1": 0.06, "m33": 0.05, "yaw 0.1": 0.5, "yaw 0.3": 0.2},
