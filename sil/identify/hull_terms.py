@@ -70,20 +70,27 @@ TERMS = (
     Term("compass", 0.0, 0.05, -1.0, 1.0, 0, "compass deviation, constant"),
     Term("compass_sin", 0.0, 0.05, -1.0, 1.0, 0, "compass deviation × sin ψ"),
     Term("compass_cos", 0.0, 0.05, -1.0, 1.0, 0, "compass deviation × cos ψ"),
-    Term("wind_side", 3.0, 1.5, 0.5, 15.0, 0, "push of the wind abeam over that from ahead"),
+    Term("wind_x", 0.0025, 0.001, 0.0, 0.1, -1, "push of the wind from ahead"),
+    Term("wind_y", 0.008, 0.004, 0.0, 0.2, -1, "push of the wind abeam"),
+    Term("wind_n", 0.0, 0.002, 0.0, 0.1, 0, "turn of the wind, greatest at 45° to the bow"),
 )
 # Of each log.
 LOCAL = (
     Term("current_north", 0.0, 0.05, -2.0, 2.0, 0, "current"),
     Term("current_east", 0.0, 0.05, -2.0, 2.0, 0, "current"),
-    Term("push_north", 0.0, 0.01, -2.0, 2.0, 0, "push of the wind"),
-    Term("push_east", 0.0, 0.01, -2.0, 2.0, 0, "push of the wind"),
+    Term("wind_north", 0.0, 2.0, -20.0, 20.0, 0, "wind"),
+    Term("wind_east", 0.0, 2.0, -20.0, 20.0, 0, "wind"),
 )
 # Of each window, beside its log's: gusts and waves.
 GUSTS = (
-    Term("gust_north", 0.0, 0.004, -2.0, 2.0, 0, "push of a gust"),
-    Term("gust_east", 0.0, 0.004, -2.0, 2.0, 0, "push of a gust"),
+    Term("gust_north", 0.0, 0.4, -20.0, 20.0, 0, "wind beyond the log's"),
+    Term("gust_east", 0.0, 0.4, -20.0, 20.0, 0, "wind beyond the log's"),
     Term("gust_turn", 0.0, 0.0015, -2.0, 2.0, 1, "moment of a gust"),
+    Term("gust_north_rise", 0.0, 0.25, -20.0, 20.0, 0, "its change in half a window"),
+    Term("gust_east_rise", 0.0, 0.25, -20.0, 20.0, 0, "its change in half a window"),
+    Term("gust_turn_rise", 0.0, 0.0009, -2.0, 2.0, 1, "its change in half a window"),
 )
 NAMES = tuple(term.name for term in TERMS)
 INDEX = {name: k for k, name in enumerate(NAMES)}
+# Terms that change what the log has of a motion, not the motion.
+MEASURED = NAMES[INDEX["antenna_x"] : INDEX["compass_cos"] + 1]

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sil.identify.equations import Bools, Problem, step, summed
 from sil.identify.hull_terms import LOCAL
-from sil.identify.output_error import Bools, Fit, Problem, step, summed
+from sil.identify.output_error import Fit
 from sil.identify.voyage_log import Array
 
 DRAWS = 200

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sil.identify.output_error import Problem, first_start, residuals
+from sil.identify.equations import Problem, residuals
 from sil.identify.voyage_log import Array, VoyageLog
 from sil.identify.voyage_model import deviation
-from sil.identify.windows import Windows, cut
+from sil.identify.windows import Windows, cut, first_start
 
 _STRIDE_S = 1.0
 
@@ -48,7 +48,7 @@ def score(problem: Problem, values: Array, local: Array, logs: Sequence[VoyageLo
 def predicted(problem: Problem, values: Array, local: Array, windows: Windows) -> Array:
     """Measured minus predicted (samples, 6, W); local: as in `score`."""
     held_out = Problem(windows, problem.body, problem.terms, problem.free)
-    places = np.vstack([local[windows.log].T, np.zeros(len(windows))])
+    places = np.vstack([local[windows.log].T, np.zeros((4, len(windows)))])
     return residuals(held_out, values, places, _start(values, places, windows))
 
 

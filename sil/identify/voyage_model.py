@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
 """A boat in open loop over many stretches of a log at once: commands in, measurements out.
 
-    u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + w_x
-    m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + w_y
-    m33 ṙ + m23 v̇ = N + w_n − (m22 − 1 + k) u v − m23 u r − (d33 + d33q |r| + d33s |u|) r
-                    − d22q ∫ x |v + x r| (v + x r) dx / L
+    u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + k_x |a| a_x
+    m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + k_y |a| a_y
+    m33 ṙ + m23 v̇ = N + w − k_n a_x a_y − (m22 − 1 + k) u v − m23 u r
+                    − (d33 + d33q |r| + d33s |u|) r − d22q ∫ x |v + x r| (v + x r) dx / L
     η̇ = R(ψ) ν + c
 
-ν = [u v r] through the water, c the current, w the wind's push; all forces and inertias divided by
-m11 (the names are `hull_terms`'). X = T_port + T_stbd, N = a (T_port − T_stbd). It shares no code
-with the firmware's vessel or with `sil.plant`. Source: Fossen, Handbook of Marine Craft
-Hydrodynamics and Motion Control, 2nd ed., chapters 6, 7 and 10.
+ν = [u v r] through the water, c the current, a = Rᵀ(ψ) W − [u v] the air past the boat, W the wind
+over the water, w the moment of a gust; all forces and inertias divided by m11 (the names are
+`hull_terms`'). X = T_port + T_stbd, N = a (T_port − T_stbd). It shares no code with the firmware's
+vessel or with `sil.plant`. Source: Fossen, Handbook of Marine Craft Hydrodynamics and Motion
+Control, 2nd ed., chapters 6, 7 and 10.
 """
 
 from dataclasses import dataclass
@@ -41,7 +42,9 @@ HULL_TERMS = (
     "munk",
     "advance",
     "lag",
-    "wind_side",
+    "wind_x",
+    "wind_y",
+    "wind_n",
 )
 
 
@@ -61,12 +64,18 @@ class Body:
 def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
     """Measurements (samples, 6, W, C): n, e, ψ, u, v, r of W stretches for C sets of terms.
 
-    terms (K, C); local (5, W, C): current and push, north and east, and a moment; start (6, W, C):
-    n, e, ψ of the boat and u, v, r through the water; commands (before + samples, W, 2), port and
-    starboard, held for a sample; the first is `before(h)` samples before the stretch.
+    terms (K, C); local (8, W, C): current and wind over the water, north and east, and a moment,
+    then by how much wind and moment rise in the stretch's second half, as they did in its first;
+    start (6, W, C): n, e, ψ of the boat and u, v, r through the water; commands (before + samples,
+    W, 2), port and starboard, held for a sample; the first is `before(h)` samples before the
+    stretch.
     """
+    return measured(sail(terms, local, start, commands, body), terms, local, body.h_s)
+
+
+def sail(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
+    """States (samples, 6, W, C): n, e, ψ, and u, v, r through the water; otherwise `simulate`."""
     thrust = _thrusts(terms, commands, body)
-    steps_before = STEPS * before(body.h_s)
     out = np.empty((len(commands) - before(body.h_s), *start.shape))
     out[0] = start
     hull = terms[[INDEX[name] for name in HULL_TERMS]]
@@ -75,13 +84,13 @@ def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Bo
         thrust,
         hull,
         local,
-        before=steps_before,
+        before=STEPS * before(body.h_s),
         every=STEPS,
         h_s=body.h_s / STEPS,
         arm_m=body.arm_m,
         length_m=body.length_m,
     )
-    return _measured(out, terms, local, body.h_s)
+    return out
 
 
 def before(h_s: float) -> int:
@@ -130,7 +139,7 @@ def deviation(terms: Array, psi: Array) -> Array:
     return off
 
 
-def _measured(states: Array, terms: Array, local: Array, h_s: float) -> Array:
+def measured(states: Array, terms: Array, local: Array, h_s: float) -> Array:
     """What the log has of these states (samples, 6, W, C): deviation, antenna, ages."""
     _, _, psi, u, v, r = np.moveaxis(states, 1, 0)
     cos, sin = np.cos(psi), np.sin(psi)

@@ -13,6 +13,7 @@ from sil.identify.voyage_model import before
 WINDOW_S = 10.0
 _WORKING = 0.05  # of full command
 _MOVING = 0.05  # m/s, rad/s
+_EARLY = 5  # samples
 
 
 @dataclass(frozen=True)
@@ -87,3 +88,15 @@ def _from_first_turn(motion: Array) -> Array:
     out = motion.copy()
     out[:, 2] -= 2.0 * np.pi * np.round(first[0] / (2.0 * np.pi))
     return out
+
+
+def first_start(windows: Windows) -> Array:
+    """State (6, W) with which each window begins as measured.
+
+    Position and heading of the first sample; velocities on a straight line through the first.
+    """
+    t = np.arange(_EARLY) - (_EARLY - 1) / 2.0
+    early = np.nan_to_num(windows.measured[:_EARLY])
+    slope = np.einsum("s,skw->kw", t, early) / (t @ t)
+    begin = early.mean(axis=0) + t[0] * slope
+    return np.vstack([early[0, :3], begin[3:]])

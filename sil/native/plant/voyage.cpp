@@ -17,13 +17,13 @@ namespace {
 /// A column of `voyage_model.HULL_TERMS`.
 struct Terms {
   double m22, m33, m23, d11, d11_quadratic, d22, d22_quadratic, d22_speed;
-  double d33, d33_quadratic, d33_speed, munk, advance, lag, wind_side;
+  double d33, d33_quadratic, d33_speed, munk, advance, lag, wind_x, wind_y, wind_n;
 };
 constexpr std::size_t kTerms = sizeof(Terms) / sizeof(double);
 
-/// Current and push (north, east), moment.
+/// Current and wind over the water (north, east), moment of a gust.
 struct Surroundings {
-  double current_north, current_east, push_north, push_east, turn;
+  double current_north, current_east, wind_north, wind_east, turn;
 };
 
 struct Forces {
@@ -56,12 +56,15 @@ State rates(const State& s, Forces thrust, const Terms& p, const Surroundings& w
     side += drag;
     turn += x * drag;
   }
-  const double surge = port + stbd + (p.m22 * v + p.m23 * r) * r + cos * w.push_north +
-                       sin * w.push_east - (p.d11 + p.d11_quadratic * speed) * u;
-  const double sway = -u * r - (p.d22 + p.d22_speed * speed) * v - p.d22_quadratic * side +
-                      p.wind_side * (cos * w.push_east - sin * w.push_north);
-  const double yaw = w.turn + size.arm_m * (port - stbd) - (p.m22 - 1.0 + p.munk) * u * v -
-                     p.d22_quadratic * turn -
+  const double air_x = cos * w.wind_north + sin * w.wind_east - u;
+  const double air_y = cos * w.wind_east - sin * w.wind_north - v;
+  const double air = std::sqrt(air_x * air_x + air_y * air_y);
+  const double surge = port + stbd + (p.m22 * v + p.m23 * r) * r + p.wind_x * air * air_x -
+                       (p.d11 + p.d11_quadratic * speed) * u;
+  const double sway =
+      -u * r - (p.d22 + p.d22_speed * speed) * v - p.d22_quadratic * side + p.wind_y * air * air_y;
+  const double yaw = w.turn - p.wind_n * air_x * air_y + size.arm_m * (port - stbd) -
+                     (p.m22 - 1.0 + p.munk) * u * v - p.d22_quadratic * turn -
                      (p.d33 + p.d33_quadratic * std::abs(r) + p.d33_speed * speed + p.m23 * u) * r;
   const double det = p.m22 * p.m33 - p.m23 * p.m23;
   return {cos * u - sin * v + w.current_north, sin * u + cos * v + w.current_east, r, surge,
@@ -100,14 +103,19 @@ struct Boat {
   }
 };
 
+/// Middle of a step: −1 where the stretch begins, 1 where it ends.
+double place_of(std::size_t step, std::size_t steps) {
+  return 2.0 * (static_cast<double>(step) + 0.5) / static_cast<double>(steps) - 1.0;
+}
+
 void sail_voyages(Array<4> states, Input<4> thrust, Input<2> terms, Input<3> surroundings,
                   std::size_t before, std::size_t every, double h_s, double arm_m,
                   double length_m) {
   const std::size_t samples = states.shape(0), w = states.shape(2), c = states.shape(3);
   expect(states, "states: (samples, 6, W, C)", samples, 6, w, c);
   expect(thrust, "thrust: (before + every samples, 2, W, C)", before + every * samples, 2, w, c);
-  expect(terms, "terms: (15, C)", kTerms, c);
-  expect(surroundings, "surroundings: (5, W, C)", 5, w, c);
+  expect(terms, "terms: (17, C)", kTerms, c);
+  expect(surroundings, "surroundings: (8, W, C)", 8, w, c);
   const auto out = states.view();
   const auto wanted = thrust.view();
   const auto term = terms.view();
@@ -116,9 +124,9 @@ void sail_voyages(Array<4> states, Input<4> thrust, Input<2> terms, Input<3> sur
   for (std::size_t i = 0; i < w; ++i) {
     for (std::size_t j = 0; j < c; ++j) {
       Boat& boat = boats[j];
-      boat.terms = {term(0, j),  term(1, j),  term(2, j),  term(3, j),  term(4, j),
-                    term(5, j),  term(6, j),  term(7, j),  term(8, j),  term(9, j),
-                    term(10, j), term(11, j), term(12, j), term(13, j), term(14, j)};
+      boat.terms = {term(0, j),  term(1, j),  term(2, j),  term(3, j),  term(4, j),  term(5, j),
+                    term(6, j),  term(7, j),  term(8, j),  term(9, j),  term(10, j), term(11, j),
+                    term(12, j), term(13, j), term(14, j), term(15, j), term(16, j)};
       boat.around = {around(0, i, j), around(1, i, j), around(2, i, j), around(3, i, j),
                      around(4, i, j)};
       boat.half = 1.0 - std::exp(-0.5 * h_s / boat.terms.lag);
@@ -137,6 +145,10 @@ void sail_voyages(Array<4> states, Input<4> thrust, Input<2> terms, Input<3> sur
             for (std::size_t n = 0; n < boat.state.size(); ++n)
               out(sample, n, i, j) = boat.state[n];
           }
+          const double place = place_of(k - before, every * samples);
+          boat.around.wind_north = around(2, i, j) + place * around(5, i, j);
+          boat.around.wind_east = around(3, i, j) + place * around(6, i, j);
+          boat.around.turn = around(4, i, j) + place * around(7, i, j);
           boat.carry({boat.force, boat.nearer(boat.half, to), end}, {arm_m, length_m}, h_s);
         }
         boat.force = end;

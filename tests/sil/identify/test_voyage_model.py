@@ -10,6 +10,8 @@ from sil.identify.voyage_model import Body, before, simulate, static_thrust
 
 BODY = Body(arm_m=0.4, length_m=1.2, h_s=0.1)
 SAMPLES = 100
+# Current, wind and a moment; how the last two rise.
+WEATHER = [0.1, 0.1, 3.0, 3.0, 0.01, 1.0, 1.0, 0.01]
 
 
 def drawn(rng: np.random.Generator) -> dict[str, float]:
@@ -17,7 +19,13 @@ def drawn(rng: np.random.Generator) -> dict[str, float]:
     plain = {term.name: term.guess for term in TERMS}
     for name in ("m22", "m33", "d11", "d22", "d33", "d11_quadratic", "d33_speed", "forward"):
         plain[name] *= rng.uniform(0.6, 1.4)
-    plain |= {"m23": rng.uniform(-0.05, 0.05), "gain": rng.uniform(-0.1, 0.1), "munk": 0.1}
+    plain |= {
+        "m23": rng.uniform(-0.05, 0.05),
+        "gain": rng.uniform(-0.1, 0.1),
+        "munk": 0.1,
+        "wind_n": 0.003,
+    }
+    plain |= {"munk": 0.1, "wind_n": 0.003}
     return plain | {"dead": 0.05, "dead_time": 0.13, "advance": 0.05, "d22_quadratic": 0.0}
 
 
@@ -48,9 +56,11 @@ def exact(
 
     def rates(t: float, s: np.ndarray, wanted: np.ndarray) -> np.ndarray:
         _, _, psi, u, v, r, port, stbd = s
-        c, w = local[:2], local[2:4]
+        c = local[:2]
+        wind_n, wind_e, turn = local[2:5] + (2.0 * t / (0.1 * SAMPLES) - 1.0) * local[5:]
         to_body = np.array([[np.cos(psi), np.sin(psi)], [-np.sin(psi), np.cos(psi)]])
-        push = to_body @ w
+        air = to_body @ [wind_n, wind_e] - [u, v]
+        push = np.hypot(*air) * air
         moment = inertia @ [u, v, r]
         coriolis = np.array([-moment[1] * r, moment[0] * r, moment[1] * u - moment[0] * v])
         drag = np.array(
@@ -65,9 +75,9 @@ def exact(
         lost = 1.0 - p["advance"] * u
         tau = np.array(
             [
-                lost * (port + stbd) + push[0],
-                p["wind_side"] * push[1],
-                BODY.arm_m * lost * (port - stbd) + local[4],
+                lost * (port + stbd) + p["wind_x"] * push[0],
+                p["wind_y"] * push[1],
+                BODY.arm_m * lost * (port - stbd) + turn - p["wind_n"] * air[0] * air[1],
             ]
         )
         nu_dot = np.linalg.solve(inertia, tau - coriolis - drag)
@@ -98,7 +108,7 @@ def exact(
 def test_ten_seconds_end_where_scipy_ends(seed: int) -> None:
     rng = np.random.default_rng(seed)
     p, given = drawn(rng), commands(rng)
-    local, start = rng.normal(0.0, [0.1, 0.1, 0.02, 0.02, 0.01]), rng.normal(0.0, 0.3, 6)
+    local, start = rng.normal(0.0, WEATHER), rng.normal(0.0, 0.3, 6)
     places = local[:, None, None], start[:, None, None]
     simulated = simulate(column(p), *places, given, BODY)[:, :, 0, 0]
     true = exact(p, local, start, given)
@@ -115,7 +125,7 @@ def test_cross_flow_brakes_as_its_integral_does() -> None:
     rng = np.random.default_rng(7)
     p = drawn(rng) | {"d22_quadratic": 3.0}
     given, start = commands(rng), np.array([0.0, 0.0, 0.0, 0.5, 0.3, 0.4])
-    still = np.zeros(5)
+    still = np.zeros(8)
     simulated = simulate(column(p), still[:, None, None], start[:, None, None], given, BODY)
     error = np.abs(simulated[:, :, 0, 0] - exact(p, still, start, given))
     print(error.max(axis=0))
@@ -125,7 +135,7 @@ def test_cross_flow_brakes_as_its_integral_does() -> None:
 def test_a_deviated_compass_turns_heading_and_velocity_alike() -> None:
     p = drawn(np.random.default_rng(3))
     given = np.zeros((before(BODY.h_s) + SAMPLES, 1, 2))
-    start, still = np.array([0.0, 0.0, 0.5, 1.0, 0.2, 0.0])[:, None, None], np.zeros((5, 1, 1))
+    start, still = np.array([0.0, 0.0, 0.5, 1.0, 0.2, 0.0])[:, None, None], np.zeros((8, 1, 1))
     true = simulate(column(p), still, start, given, BODY)[:, :, 0, 0]
     seen = simulate(column(p | {"compass": 0.1}), still, start, given, BODY)[:, :, 0, 0]
     assert np.allclose(seen[:, 2] - true[:, 2], 0.1)
