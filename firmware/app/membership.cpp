@@ -6,8 +6,12 @@ namespace flotilla::app {
 void Membership::hear(const link::Received& received, std::int64_t now_us) {
   const std::uint8_t from = received.from.system;
   if (!kKeepsFleet || from == vehicle_.self().system) return;
-  const auto commander = vehicle_.configuration().operators.commander;
-  fleet().hear(received, !commander || *commander == from, now_us);
+  const Configuration& own = vehicle_.configuration();
+  const auto commander = own.operators.commander;
+  const bool member = received.is_signed || from == own.formation.leader;
+  using Trust = Fleet::Trust;
+  const Trust trust = member ? Trust::kMember : Trust::kNone;
+  fleet().hear(received, !commander || *commander == from ? Trust::kCommands : trust, now_us);
 }
 
 FleetOrder Membership::order(core::State state, core::Conditions conditions, std::int64_t now_us) {

@@ -88,13 +88,16 @@ def beacon_of(fields: tuple[int, ...]) -> Beacon:
 
 
 def digest_of(message: bytes) -> int:
-    """The digest that beacons tell, of a FLEET_TABLE frame: FNV-1a, folded to 16 bits."""
+    """The digest that beacons tell, of a FLEET_TABLE frame.
+
+    FNV-1a, folded to 15 bits; the highest bit is set for a table that stops the boats.
+    """
     payload = message[HEADER[MAGIC_2] : HEADER[MAGIC_2] + message[1]].ljust(_TABLE_BYTES, b"\0")
     value = 2166136261
     move, flags, members = payload[4:6], payload[6:7], payload[_TABLE.size :]
     for byte in flags + move + members:
         value = (value ^ byte) * 16777619 & 0xFFFFFFFF
-    return (value ^ value >> 16) & 0xFFFF
+    return (value ^ value >> 16) & 0x7FFF | 0x8000 * bool(flags[0] & _STOP)
 
 
 def _packed(member: Member) -> bytes:

@@ -56,24 +56,33 @@ bool same(const Configuration::Formation& a, const Configuration::Formation& b) 
 
 }  // namespace
 
-void Fleet::hear(const link::Received& received, bool commands, std::int64_t now_us) {
-  if (const auto rank = rank_in(ledger_.current(), received.from.system)) heard_us_[*rank] = now_us;
-  if (const auto* beacon = std::get_if<link::FleetBeacon>(&received.message)) {
+void Fleet::hear(const link::Received& received, Trust trust, std::int64_t now_us) {
+  const auto* beacon = std::get_if<link::FleetBeacon>(&received.message);
+  if (const auto rank = rank_in(ledger_.current(), received.from.system)) {
+    Heard& heard = heard_[*rank];
+    if (beacon != nullptr) heard.component = received.from.component;
+    const bool speaks = heard.component == 0 || heard.component == received.from.component;
+    if (speaks) heard.at_us = now_us;
+  }
+  if (beacon != nullptr) {
     take(received.from.system, *beacon, now_us);
   } else if (const auto* table = std::get_if<link::FleetTable>(&received.message)) {
-    take(received, *table, commands, now_us);
+    take(received, *table, trust, now_us);
   }
 }
 
 /// Accepts it from an operator, and from a member of the table that is held; the first one from a
-/// member of its own.
-void Fleet::take(const link::Received& received, const link::FleetTable& message, bool commands,
+/// trusted member of its own.
+void Fleet::take(const link::Received& received, const link::FleetTable& message, Trust trust,
                  std::int64_t now_us) {
   FleetTable table = table_of(message);
   const FleetTable& held = ledger_.newest();
-  const bool from_member = is_of(held.epoch != 0 ? held : table, received.from.system);
-  if (!commands && (table.assigns || !from_member)) return;
+  const bool from_member = held.epoch != 0
+                               ? is_of(held, received.from.system)
+                               : trust == Trust::kMember && is_of(table, received.from.system);
+  if (trust != Trust::kCommands && (table.assigns || !from_member)) return;
   if (table.epoch == held.epoch && table.digest == held.digest) passed_us_ = now_us;
+  stops_ = stops_ || is_stop(table);  // whatever else is wrong with it
   if (const TableVerdict verdict = verdict_of(table); verdict.fault != TableFault::kNone) {
     refusal_ = verdict;
     return;
@@ -92,6 +101,13 @@ void Fleet::take(const FleetTable& table, std::int64_t valid_us, std::int64_t no
   if (wish_ && wish_->table.epoch <= table.epoch) wish_.reset();
   beacon_us_ = now_us;  // who lacks it asks
   table_us_ = kNever;
+}
+
+/// Whether it orders this boat to stop: as its member, or as one of a table that it replaces.
+bool Fleet::is_stop(const FleetTable& table) const {
+  const FleetTable& held = ledger_.newest();
+  return table.stop && is_newer(table.epoch, table.digest, held) &&
+         (is_of(table, system_) || is_of(held, system_) || rank_in(ledger_.current(), system_));
 }
 
 void Fleet::give_places(const FleetOutlook& outlook, std::int64_t now_us) {
@@ -154,13 +170,12 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   // In step with the old move, whose places stand still between two instants.
   begun_us_ = before.count > 0 ? now_us - (now_us - begun_us_) % kMove_us : now_us;
   const auto peers = std::exchange(peers_, {});
-  const auto heard_us = heard_us_;
-  heard_us_.fill(kNever);
+  const auto heard = std::exchange(heard_, {});
   for (std::size_t rank = 0; rank < before.count; ++rank) {
     const auto now = ledger_.current()->rank_of(before.members[rank].system);
     if (!now) continue;
     peers_[*now] = peers[rank];
-    heard_us_[*now] = heard_us[rank];
+    heard_[*now] = heard[rank];
   }
   by_parameters_ = own;
   by_hand_ = false;
@@ -177,7 +192,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
 void Fleet::listen(std::int64_t limit_us, std::int64_t now_us) {
   const FleetTable& table = *ledger_.current();
   for (std::size_t rank = 0; rank < table.count; ++rank) {
-    peers_[rank].heard = now_us - heard_us_[rank] < limit_us;
+    peers_[rank].heard = now_us - heard_[rank].at_us < limit_us;
   }
 }
 
@@ -189,15 +204,15 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   std::optional<Hang> next;
   SlotMotion slot_motion;
   const FleetTable* table = ledger_.current();
+  const core::State state = report.state;
+  const bool drives = core::law_drives(state) || state == core::State::kManual;
   by_hand_ = by_hand_ || !same(own, by_parameters_);
   if (const auto rank = rank_in(table, system_)) {
     listen(leader_limit_us + kMore_us, now_us);
-    const core::State state = report.state;
     const bool follows = core::follows(state);
     const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
     order = succession_.step(*table,
-                             {*rank, follows && report.fit && !by_hand_,
-                              core::law_drives(state) || state == core::State::kManual,
+                             {*rank, follows && report.fit && !by_hand_, drives,
                               core::sails_alone(state), ordered, by_hand_},
                              std::span(peers_).first(table->count));
     if (order == FleetOrder::kLead && !is_most(*table, *rank, peers_)) place_ = {};
@@ -209,7 +224,8 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   slot_motion_ = slot_motion;
   hang_ = next;
   speak(report, now_us);
-  return order;
+  stops_ = stops_ && (drives || state == core::State::kTest);
+  return stops_ ? FleetOrder::kStop : order;
 }
 
 double Fleet::since_s(std::int64_t now_us) const {

@@ -35,8 +35,11 @@ struct FleetReport {
 /// Without a table it does nothing, but for asking for one where others speak of one.
 class Fleet {
  public:
-  /// Any message. commands: its sender may command the boat.
-  void hear(const link::Received& received, bool commands, std::int64_t now_us);
+  /// Of a message's sender: it may command the boat; it may give it a first table as a member.
+  enum class Trust : std::uint8_t { kNone, kMember, kCommands };
+
+  /// Any message.
+  void hear(const link::Received& received, Trust trust, std::int64_t now_us);
 
   /// Places are to be given to the members, by a boat that knows how the root will sail.
   bool asks_outlook(std::int64_t now_us) const { return wish_ && now_us >= wish_->due_us; }
@@ -89,10 +92,17 @@ class Fleet {
     std::array<double, 2> cm{}, cmps{}, cmps2{};
   };
 
-  void take(const link::Received& received, const link::FleetTable& message, bool commands,
+  /// A member sends its beacons and all else from one component; 0: no beacon was heard yet.
+  struct Heard {
+    std::int64_t at_us = kNever;
+    std::uint8_t component = 0;
+  };
+
+  void take(const link::Received& received, const link::FleetTable& message, Trust trust,
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
+  bool is_stop(const FleetTable& table) const;
   std::optional<Place> place_of(std::uint8_t system, std::int64_t now_us) const;
   static FleetSlot rest_of(const Place& place, double fades_s);
   double since_s(std::int64_t now_us) const;
@@ -107,7 +117,8 @@ class Fleet {
   FleetLedger ledger_;
   Succession succession_;
   std::array<FleetPeer, FleetTable::kMost> peers_{};
-  std::array<std::int64_t, FleetTable::kMost> heard_us_{};  // by rank
+  std::array<Heard, FleetTable::kMost> heard_{};  // by rank
+  bool stops_ = false;  // a table ordered a stop, which the boat has not obeyed yet
   std::optional<Hang> hang_;
   Configuration::Formation by_parameters_;  // when the table came into force
   bool by_hand_ = false;

@@ -12,7 +12,8 @@ constexpr std::uint8_t kCanLead = 1, kOnlyLeads = 2;
 
 static_assert(sizeof(link::FleetTable::members) == kBytes * FleetTable::kMost);
 
-/// FNV-1a, folded to 16 bits. Source: draft-eastlake-fnv.
+/// FNV-1a, folded to 15 bits (draft-eastlake-fnv); the highest bit is set for a table that stops
+/// the boats, so that of two tables with one epoch it wins.
 std::uint16_t digest_of(const link::FleetTable& message) {
   std::uint32_t hash = 2166136261U;
   const auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 16777619U; };
@@ -20,7 +21,8 @@ std::uint16_t digest_of(const link::FleetTable& message) {
   add(static_cast<std::uint8_t>(message.move_ds & 0xFFU));
   add(static_cast<std::uint8_t>(message.move_ds >> 8U));
   for (const std::uint8_t byte : message.members) add(byte);
-  return static_cast<std::uint16_t>(hash ^ hash >> 16U);
+  const std::uint32_t folded = (hash ^ hash >> 16U) & 0x7FFFU;
+  return static_cast<std::uint16_t>(folded | ((message.flags & kStop) != 0 ? 0x8000U : 0U));
 }
 
 std::int16_t int16_of(const std::uint8_t* bytes) {
@@ -75,7 +77,6 @@ Sentence sentence_of(const TableVerdict& refused) {
 
 FleetTable table_of(const link::FleetTable& message) {
   FleetTable table{.epoch = message.epoch,
-                   .digest = digest_of(message),
                    .turns = (message.flags & kTurns) != 0,
                    .stop = (message.flags & kStop) != 0,
                    .assigns = (message.flags & kAssigns) != 0,
@@ -89,6 +90,7 @@ FleetTable table_of(const link::FleetTable& message) {
                                     .length_dm = bytes[3],
                                     .slot_cm = {int16_of(bytes + 4), int16_of(bytes + 6)}};
   }
+  table.digest = digest_of(message_of(table, 0));  // of what a boat passes on
   return table;
 }
 

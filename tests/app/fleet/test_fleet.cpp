@@ -47,7 +47,8 @@ struct Harbour {
     link::Received received;
     received.message = message;
     received.from = from;
-    boats[who].fleet.hear(received, from == kOperator, now_us + boats[who].clock_us);
+    const auto trust = from == kOperator ? Fleet::Trust::kCommands : Fleet::Trust::kMember;
+    boats[who].fleet.hear(received, trust, now_us + boats[who].clock_us);
   }
 
   void spread(std::size_t from, const link::Message& message, std::size_t bytes) {
@@ -268,6 +269,16 @@ TEST_CASE("after a stop nobody takes over before somebody has led again") {
   harbour.sail(3);
   harbour.boats[0].on = false;
   harbour.sail(2);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+}
+
+TEST_CASE("another component with a dead leader's system id does not keep it alive") {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  for (int tenth = 0; tenth < 20; ++tenth) {
+    for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {1, 100});
+    harbour.sail(0.1);
+  }
   CHECK(harbour.boats[1].state == core::State::kAuto);
 }
 
