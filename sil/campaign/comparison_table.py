@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Two campaigns beside each other, for the terminal."""
+"""Table of two campaigns side by side, for the terminal."""
 
 import math
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ _STYLES = {"worse": "bold red", "better": "bold green", "same": None}
 
 
 def table(found: Mapping[str, Change]) -> Table:
-    """A row a figure: A, B, their ratio with its interval, and what that means."""
+    """One row for each figure: A, B, their ratio with its interval, and the verdict."""
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     grid.add_column("")
     for column in ("A", "B", "B/A", f"{confidence(len(WHAT)):.2%} interval"):
