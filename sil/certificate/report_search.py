@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The search for the gains as rows of a table, today's gains and what they do beside it."""
+"""The search for gains as rows of a table, beside today's gains and their effects."""
 
 from collections.abc import Iterable
 
@@ -7,11 +7,11 @@ from sil.certificate.certificate import Certificate
 from sil.certificate.notes import listed
 from sil.certificate.search import Search
 
-_NOTHING = 1e-4  # 1/s: less is neither decay nor growth
+_NOTHING = 1e-4  # 1/s: smaller rates are neither decay nor growth
 
 
 def search_rows(certificate: Certificate, search: Search) -> Iterable[tuple[str, str]]:
-    """Rows of two texts: what, and how much."""
+    """Rows of two texts: a name, and a value."""
     if search.decay_of_law < _NOTHING:
         yield "none", "with any of these some error stays or grows"
         return
@@ -36,6 +36,6 @@ def _span(search: Search, name: str) -> str:
 
 
 def _now(certificate: Certificate, name: str) -> str:
-    """A gain as it is, of all boats behind a leader that moves."""
+    """The present values of a gain, of all boats behind a leader that moves."""
     legs = [leg for leg in certificate.legs if leg.reference.kind != "rest"]
     return listed(sorted({case.setup.parameters[name] for leg in legs for case in leg.cases}))

@@ -42,7 +42,7 @@ _SHOWN = (
     *_PLANS,
 )
 
-# States in which a boat is out of formation; time within which it sends the reason, s.
+# States in which a boat is out of formation; greatest time by which the reason precedes them, s.
 _LOST, _BEFORE_S = ("COAST", "HOLD", "FAULT"), 6.0
 
 # The NAMED_VALUE_FLOATs that a history needs; nine tenths of all messages are NAMED_VALUE_FLOATs.
