@@ -26,7 +26,7 @@ class Weather:
         self._t_s = 0.0
 
     def step(self, eta: Array, nu: Array, w: Array, h_s: float) -> None:
-        """Write the force w, N, N, N m, on boats at eta with nu, all (R, N, 3), for the next step."""
+        """Write the force w, N, N, N m, on boats at eta with nu, all (R, N, 3), for one step."""
         w[:] = 0.0
         for force in self._forces:
             force.push(self._t_s, eta, nu, h_s, w)
