@@ -73,7 +73,7 @@ class Folder:
         if differences:
             can = f"Finish that one first, by {known.get('command')}, or remove"
             if known.get("code") != identity.code:
-                can = "What is here now cannot finish that one: remove"
+                can = "This version cannot finish that one: remove"
             raise CampaignError(
                 f"{self.path} holds an unfinished campaign that differs in "
                 f"{'; '.join(differences)}. {can} the folder, or choose another --out"

@@ -30,9 +30,9 @@ def note(*, paired: bool) -> str:
     """Explain the table's numbers."""
     own = "; B/A is the median of the runs' own ratios" if paired else ""
     return (
-        f"Medians over the runs where it does not say otherwise{own}. Better, worse: all of the "
+        f"Medians over the runs unless stated otherwise{own}. Better, worse: all of the "
         f"interval is more than {MARGIN:.0%} away from 1. Of comparisons of equal code at most "
-        f"{FALSE_ALARMS:.0%} tell of any change."
+        f"{FALSE_ALARMS:.0%} report any change."
     )
 
 

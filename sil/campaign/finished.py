@@ -85,7 +85,7 @@ def columns(folder: Path, stem: str) -> Columns:
     """The columns of `folder`/`stem`.parquet; numbers that are null are NaN."""
     path = folder / f"{stem}.parquet"
     if not path.is_file():
-        again = "is the campaign not finished? The command that began it goes on with it"
+        again = "the campaign may be unfinished; the command that began it continues it"
         raise ValueError(f"no {path}: {again}")
     try:
         table = pq.read_table(path)

@@ -62,7 +62,7 @@ def period(reference: Reference) -> str:
     if reference.T_s is None:
         return "none: nothing turns"
     if reference.kind == "turning":
-        return "any; taken short, which the formulas like best"
+        return "any; a short one, which suits the formulas best"
     return f"{reference.T_s:.3f} s, the period of the input"
 
 
@@ -144,8 +144,8 @@ def _chain_table(chain: Chain, margins: Margins) -> Table:
             f"{last.yaw_rate:.2g} rad/s, {last.speed:.2g} m/s, {last.off_slot_m:.2g} m",
         ),
         ("certified to depth (FORM_DEPTH)", depth),
-        ("more radio delay that it bears (s)", f"{margins.delay_s:.2f}"),
-        ("hull off the model that it bears (%)", f"{100.0 * margins.mismatch:.0f}"),
+        ("margin of radio delay (s)", f"{margins.delay_s:.2f}"),
+        ("margin of mass and damping (%)", f"{100.0 * margins.mismatch:.0f}"),
     ]
     return _filled(_table(f"The longest chain: {len(chain.path)} boats"), rows)
 

@@ -108,7 +108,7 @@ def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) ->
         t_s = run.trace["t_s"][inside]
         nu, error = run.trace["nu"][inside], run.trace["error"][inside]
         if not (np.isfinite(nu).all() and np.isfinite(error).all()):
-            raise RunError("the boats are lost on a straight course")
+            raise RunError("the boats diverge on a straight course")
         motions.append((nu, error))
     return Probe(
         t_s, motions[:RUNS], motions[RUNS : 2 * RUNS], motions[2 * RUNS], motions[2 * RUNS + 1 :]

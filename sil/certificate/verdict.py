@@ -29,7 +29,7 @@ def sentence(certificate: Certificate) -> str:
     )
     neutral = [case for _, case in cases if case.sampled.neutral]
     if neutral:
-        text += "; while the leader lies still, errors abeam stay as they are" + _up_to(neutral)
+        text += "; while the leader is at rest, errors abeam stay as they are" + _up_to(neutral)
     worst = max((case for _, case in cases), key=_off_m)
     if _off_m(worst) > SETTLED_M:
         text += f"; but {name(worst.boats)}: {_off_m(worst):.2f} m off the slot for ever"
@@ -90,7 +90,7 @@ def _thrust(case: Case) -> str:
     need = case.thrust
     if need.margin >= 0.0:
         return (
-            f"{name(case.boats)}: the slot needs {need.sway_N:.2g} N in sway, which nothing gives"
+            f"{name(case.boats)}: the slot needs {need.sway_N:.2g} N in sway: no propeller gives it"
         )
     side = "port" if need.side == "port" else "starboard"
     return (
@@ -102,10 +102,10 @@ def _thrust(case: Case) -> str:
 def _why(leg: Leg, case: Case) -> str:
     mode = next(iter(case.sampled.slowest), "")
     if mode.startswith(("current", "unknown")):
-        return f", that of a wrong estimate of the {mode}, which this leg does not show"
+        return f", due to a wrong estimate of the {mode}, which is not observable on this leg"
     if leg.reference.mu > 0.0 or case.setup.parameters.get("LAW_XT_DIST", 0.0) > 0.0:
         return ""
-    return ", for the leader does not turn and LAW_XT_DIST is 0"
+    return ", because the leader does not turn and LAW_XT_DIST is 0"
 
 
 def _leg(leg: Leg, told: bool) -> str:

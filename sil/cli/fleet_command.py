@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Commands a whole fleet: arms it, forms it, sends it off, stops it.
 
-status            who is in its slot, who leads, who is silent
+status            which boats are in their slots, which boat leads, which are silent
 arm, disarm       all boats, or those of --boats
-form SHAPE        a table of the fleet: line, column, vee, diamond, circle, grid with --spacing M,
+form SHAPE        a new shape: line, column, vee, diamond, circle or grid with --spacing M,
                   or a file NAME.toml with places_m = [[ahead, starboard], …]; the first of --boats
                   (or the lowest system id) leads
 follow            FORMATION for all that follow

@@ -16,22 +16,22 @@ from sil import ROOT
 _VERBS = {
     "demo": "four boats sail boat 1's plan; --live: in real time, shown in the browser",
     "run": "sail a scenario in lockstep, as fast as possible",
-    "live": "sail a scenario in real time, a flotillad process a boat",
+    "live": "sail a scenario in real time, one flotillad process per boat",
     "campaign": "sail a scenario many times, each run with its own draws",
     "compare": "is campaign B worse than campaign A?",
-    "identify": "find a hull in logs of its sailing: a parameter file, a page",
+    "identify": "identify a hull from logs of its sailing: a parameter file, a page",
     "certify": "check before sailing whether the gains hold the formation",
     "view": "show a fleet in the browser, live or recorded",
     "fleet": "command a fleet: arm it, form it, send it off, stop it",
     "doctor": "find out what keeps a boat's computer from sailing",
-    "scenarios": "list the scenarios, or print one to begin your own with",
+    "scenarios": "list the scenarios, or print one as a start for your own",
     "hulls": "list the hulls that a scenario may name, or print one's parameters",
     "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
     "replay": "feed a recording to its boats again: the same answers, bit for bit?",
     "faults": "sail the matrix of faults, or hours of random ones",
     "bench": "time the firmware and the simulation, count instructions",
-    "rivals": "sail Flotilla beside other ways to follow a plan",
-    "results": "sail all that the project publishes, and renew its pages",
+    "rivals": "compare Flotilla with other ways to follow a plan",
+    "results": "sail all published scenarios, and renew their pages",
 }
 # The extra of pyproject.toml that installs a module.
 _EXTRAS = {

@@ -75,7 +75,7 @@ def _details(where: str, told: dict[str, Any]) -> Iterator[Finding]:
     data = told.get("info_data", {})
     rate = data.get("bittiming", {}).get("bitrate")
     if rate is None:
-        yield doubt(where, "its bit rate is not told", "apt install iproute2; ip -details link")
+        yield doubt(where, "its bit rate is unknown", "apt install iproute2; ip -details link")
     elif rate != _BIT_RATE:
         yield bad(
             where,

@@ -29,7 +29,7 @@ def service(computer: Computer) -> Iterator[Finding]:
     else:
         yield ok(_NAME, "starts with the computer")
     if not computer.has_user:
-        remedy = "sudo systemd-sysusers flotillad.conf, or install the Debian package anew"
+        remedy = "sudo systemd-sysusers flotillad.conf, or reinstall the Debian package"
         yield bad("user", f"there is no user {computer.user}", remedy)
 
 
@@ -94,7 +94,7 @@ def signing_key(computer: Computer, boat: Boat) -> Iterator[Finding]:
     path = boat.signing_key
     if not path:
         what = "there is no key: anybody in range can command the boat"
-        remedy = "signing-key in the configuration file; firmware/docs/MAVLINK.md says how"
+        remedy = "signing-key in the configuration file; see firmware/docs/MAVLINK.md"
         yield doubt("signing", what, remedy)
         return
     own = f"sudo chown {computer.user} {path} && sudo chmod 600 {path}"

@@ -38,13 +38,11 @@ def judge_senders(
 
 def _noise(link: Link, heard: Heard) -> Iterator[Finding]:
     if heard.bytes == 0:
-        yield doubt(
-            link.address, "nothing is heard", "check the power and address of who sends there"
-        )
+        yield doubt(link.address, "nothing is heard", "check the power and address of the sender")
     elif heard.damaged > _DAMAGED * heard.bytes:
         share = 100.0 * heard.damaged / heard.bytes
         remedy = "check the speed in baud at both ends, the cable, and that nobody else reads it"
-        yield bad(link.address, f"{share:.0f} % of what is heard is no MAVLink", remedy)
+        yield bad(link.address, f"{share:.0f} % of the received bytes are no MAVLink", remedy)
     else:
         systems = sorted({sender[0] for sender in heard.counts})
         yield ok(link.address, f"systems heard: {', '.join(map(str, systems))}")

@@ -29,7 +29,7 @@ def links(computer: Computer, boat: Boat, seconds: float) -> Iterator[Finding]:
             yield from _ask(boat, door.held[0], seconds, key)
         elif running:
             remedy = 'add "udpin:127.0.0.1:14550,signing=off" to mavlink in the configuration file'
-            yield doubt("flotillad", "runs, and has no link at which it can be asked", remedy)
+            yield doubt("flotillad", "runs, but no link of it accepts requests", remedy)
         elif door.posts:
             listen(door.posts, seconds, key)
             heard = [(post.link, post.heard) for post in door.posts]

@@ -89,10 +89,10 @@ def live(
             taken = "" if port == wished else f" ({wished} is taken)"
             console.print(f"boat {system} is at tcp:127.0.0.1:{port}{taken}")
         tracer = world.run(program, out, progress)
-        console.print(f"the world was {world.late_us / 1000:.1f} ms behind its time at most")
+        console.print(f"the simulation was at most {world.late_us / 1000:.1f} ms late")
         if world.late_us > _LATE_US:
             console.print(
-                "[bold red]this machine was too slow for real time: the boats were told too late"
+                "[bold red]this machine was too slow for real time: the boats' data came too late"
             )
     result = Run(tracer.trace(0), tracer.seconds(0), None)
     wall_s = time.perf_counter() - began_s

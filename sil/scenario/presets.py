@@ -103,7 +103,7 @@ def firmware(preset: Preset) -> dict[str, float]:
         "THR_FWD_MAX": pair.forward_max_N,
         "THR_REV_MAX": pair.reverse_max_N,
         "THR_EXPO": pair.expo,
-        "THR_DEAD": 0.0,  # told of a dead band, it gives up what its observer finds it needs
+        "THR_DEAD": 0.0,  # else the firmware drops thrusts that its observer demands
         "THR_LAG": pair.lag_s,
     }
     if preset.vessel.length_m:

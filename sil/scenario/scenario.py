@@ -337,7 +337,7 @@ def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
         if leader.boat is None:
             yield (
                 ("leader", "voyage_room_m"),
-                '"leader.voyage_room_m": needs "leader.boat", who sails it',
+                '"leader.voyage_room_m": needs "leader.boat", which sails it',
             )
         if len(scenario.boat) > 1:
             yield (
