@@ -39,7 +39,7 @@ class Answer(NamedTuple):
     """A boat's answer by MAVLink."""
 
     armed: bool
-    revision: str  #: eight characters, empty if it sent none
+    revision: str  #: eight characters, empty if the boat sent none
 
 
 class Link(NamedTuple):
@@ -105,7 +105,7 @@ class Boat:
     def ask(self, link: Link, seconds: float) -> Answer | None:
         """Ask the boat on `link` for its state and version; None: no answer within `seconds`."""
         there = f"/dev/udp/{link.host}/{link.port}"
-        # Either direction's end ends both: a port not open yet closes the connection.
+        # The end of either direction ends both: a port not open yet closes the connection.
         relay = f"exec 3<>{there} 4<&0; cat <&3 & cat <&4 >&3 & wait -n; kill $(jobs -p)"
         until = time.monotonic() + seconds
         answer = None
@@ -124,7 +124,7 @@ class Boat:
 
 
 def converse(line: subprocess.Popen[bytes], until: float) -> Answer | None:
-    """The boat's answer, as complete as it is when the line closes or the time is up."""
+    """Read the boat's answer, as far as complete when the line closes or the time is up."""
     assert line.stdin is not None
     assert line.stdout is not None
     codec = mavlink.MAVLink(None, *ME)
@@ -167,7 +167,7 @@ def version_of(package: Path) -> tuple[str, str]:
 
 
 def judge(boat: Boat, said: str, package: Path) -> str | None:
-    """Why the boat must not keep the new package; None: it may."""
+    """The reason why the boat must not keep the new package; None: it may."""
     version, revision = version_of(package)
     if said != f"installed: {version}":
         return f"expected {version}, but the boat reports: {said or 'nothing'}"

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Writes a container image, which is a BlueOS extension too, out of Debian packages.
+"""Makes a container image, which is also a BlueOS extension, from Debian packages.
 
 python tools/oci.py IMAGE.tar ARCH PACKAGE.deb…; tools/package calls it. The tar is an OCI layout
 and, by its manifest.json, an archive for `docker load`. Nothing in it is compressed, so that its
-bytes depend on no compressor's version.
+bytes do not depend on the version of a compressor.
 """
 
 import hashlib
@@ -18,9 +18,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-#: Of the page, on the host's network; free on BlueOS.
+#: Port of the page on the host's network; free on BlueOS.
 PORT = 9851
-#: Debian's architecture in OCI's words.
+#: OCI's platform for each Debian architecture.
 PLATFORMS = {
     "amd64": {"architecture": "amd64", "os": "linux"},
     "arm64": {"architecture": "arm64", "os": "linux", "variant": "v8"},
@@ -31,7 +31,7 @@ KEEP = re.compile(
     r"bin/busybox|usr/bin/flotillad|(usr/)?lib\d*/([^/]+/)?[^/]+\.so[.\d]*"
     r"|usr/share/doc/[^/]+(/copyright)?|etc/flotilla/boat\.toml"
 )
-#: The user of flotillad; 20 is Debian's dialout, which serial ports belong to.
+#: The user id of flotillad; 20 is Debian's group dialout, which owns serial ports.
 USER = 999
 ACCOUNTS = {
     "etc/passwd": f"root:x:0:0::/:/bin/false\nflotilla:x:{USER}:{USER}::/:/bin/false\n",
@@ -39,7 +39,7 @@ ACCOUNTS = {
 }
 EMAIL = "flotilla@users.noreply.github.com"
 ABOUT = "autopilot of twin-propeller boats that sail in formation"
-#: What BlueOS asks Docker for: the host's network, for CAN and MAVLink, and serial ports.
+#: BlueOS's request to Docker: the host's network, for CAN and MAVLink, and serial ports.
 PERMISSIONS = {
     "ExposedPorts": {f"{PORT}/tcp": {}},
     "HostConfig": {
@@ -63,18 +63,18 @@ PERMISSIONS = {
 
 
 def plain(value: object) -> bytes:
-    """JSON in which equal values have equal bytes."""
+    """JSON with equal bytes for equal values."""
     return json.dumps(value, sort_keys=True).encode()
 
 
 def semver(version: str) -> str:
-    """0.1+20261121020214.619cf70a as 0.1.0-20261121020214-619cf70a, which may be an image's tag."""
+    """0.1+20261121020214.619cf70a as 0.1.0-20261121020214-619cf70a, a valid tag of an image."""
     base, _, commit = version.partition("+")
     return f"{base}.0" + (f"-{re.sub('[.+]', '-', commit)}" if commit else "")
 
 
 def labels(version: str) -> dict[str, str]:
-    """BlueOS's labels. Flotilla has no address of its own yet, hence no readme and no links."""
+    """Labels for BlueOS. Flotilla has no web address yet, hence no readme and no links."""
     texts: dict[str, object] = {
         "permissions": PERMISSIONS,
         "authors": [{"name": "The Flotilla developers", "email": EMAIL}],
@@ -87,7 +87,7 @@ def labels(version: str) -> dict[str, str]:
 
 
 def service(version: str) -> dict[str, str]:
-    """Answer to BlueOS's question /register_service, by which it finds the page."""
+    """The answer to BlueOS's request /register_service, by which BlueOS finds the page."""
     return {
         "name": "Flotilla",
         "description": ABOUT,
@@ -100,19 +100,19 @@ def service(version: str) -> dict[str, str]:
 
 
 class Tree:
-    """A tar of root's files, sorted, all of one date."""
+    """A tar of files that belong to root, sorted, all with the same date."""
 
     def __init__(self, date: int) -> None:
         self._date = date
         self._found: dict[str, tuple[tarfile.TarInfo, bytes]] = {}
 
     def put(self, name: str, data: bytes = b"", mode: int = 0o644, link: str = "") -> None:
-        """A file or, with `link`, a symbolic link; and the folders above it."""
+        """Add a file or, with `link`, a symbolic link; and the folders above it."""
         self.folder(str(Path(name).parent))
         self._add(name, mode, tarfile.SYMTYPE if link else tarfile.REGTYPE, data, link)
 
     def folder(self, name: str) -> None:
-        """A folder and those above it."""
+        """Add a folder and those above it."""
         for each in (Path(name), *Path(name).parents):
             if each.name:
                 self._add(str(each), 0o755, tarfile.DIRTYPE)
@@ -124,7 +124,7 @@ class Tree:
         self._found[name] = (info, data)
 
     def tar(self) -> bytes:
-        """Its bytes."""
+        """The tar's bytes."""
         memory = io.BytesIO()
         with tarfile.open(fileobj=memory, mode="w", format=tarfile.USTAR_FORMAT) as archive:
             for _, (info, data) in sorted(self._found.items()):
@@ -138,7 +138,7 @@ def dpkg_deb(*words: str) -> bytes:
 
 
 def unpack(package: Path, tree: Tree) -> None:
-    """Put what the image keeps of a package into the tree, and which package it was."""
+    """Put the package's files that the image keeps into the tree, and a record of the package."""
     with tarfile.open(fileobj=io.BytesIO(dpkg_deb("--fsys-tarfile", str(package)))) as archive:
         for member in archive:
             name = member.name.removeprefix("./")
@@ -147,7 +147,7 @@ def unpack(package: Path, tree: Tree) -> None:
             file = archive.extractfile(member) if member.isreg() else None
             target = name.replace("etc/flotilla/", "usr/share/flotilla/")
             tree.put(target, file.read() if file else b"", member.mode, member.linkname)
-    # where scanners of images look for it
+    # the place where image scanners look for it
     control = dpkg_deb("--field", str(package))
     name = dpkg_deb("--field", str(package), "Package").decode().strip()
     tree.put(f"var/lib/dpkg/status.d/{name}", control)
@@ -174,7 +174,7 @@ def layer(packages: list[Path], version: str, date: int) -> bytes:
 
 
 def write(image: Path, arch: str, packages: list[Path]) -> None:
-    """Write the image out of flotillad's package and those that it needs."""
+    """Make the image from flotillad's package and the packages that it needs."""
     date = int(os.environ["SOURCE_DATE_EPOCH"])
     (own,) = (package for package in packages if package.name.startswith("flotillad_"))
     version = semver(dpkg_deb("--field", str(own), "Version").decode().strip())
@@ -218,7 +218,7 @@ def write(image: Path, arch: str, packages: list[Path]) -> None:
     }
     blobs.put("oci-layout", plain({"imageLayoutVersion": "1.0.0"}))
     blobs.put("index.json", plain({"schemaVersion": 2, "manifests": [entry]}))
-    # for `docker load` before Docker 25, which knows no OCI layout
+    # for `docker load` before Docker 25, which does not know OCI layouts
     paths = [f"blobs/{str(each['digest']).replace(':', '/')}" for each in (config, content)]
     docker = {"Config": paths[0], "RepoTags": [f"flotilla:{version}"], "Layers": paths[1:]}
     blobs.put("manifest.json", plain([docker]))

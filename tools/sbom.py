@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Writes ARTEFACT.spdx.json, SPDX 2.3: all that is linked into an artefact or bundled with it.
+"""Writes ARTEFACT.spdx.json, SPDX 2.3: the packages linked into an artefact or bundled with it.
 
 python tools/sbom.py KIND ARTEFACT; tools/package calls it.
 """
@@ -26,7 +26,7 @@ HEADERS = {
     "deb": ["libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev", "libtomlplusplus-dev"],
 }
 HEADERS["wheel"] = HEADERS["oci"] = HEADERS["deb"]
-#: Where Debian keeps an architecture's libraries; a wheel is for this machine.
+#: Debian's folder for an architecture's libraries; a wheel is for this machine.
 TRIPLETS = {
     "amd64": "x86_64-linux-gnu",
     "arm64": "aarch64-linux-gnu",
@@ -35,7 +35,7 @@ TRIPLETS = {
 }
 #: The compilers for other processors.
 COMPILERS = {"arm64": "aarch64-linux-gnu-g++", "armhf": "arm-linux-gnueabihf-g++"}
-#: Files by which the packages are found that leave a part in every program, and which part.
+#: Files that identify packages of which a part is in every program, and that part.
 LINKED = {
     "libgcc.a": "linked in: functions that the compiler calls",
     "crt1.o": "linked in: the start of a program",
@@ -53,7 +53,7 @@ def output(*words: str) -> str:
 
 
 def debian_version(package: str) -> str:
-    """The version installed here."""
+    """The version of a package installed on this computer."""
     return output("dpkg-query", "--show", "--showformat=${Version}", package) or "NOASSERTION"
 
 
@@ -74,7 +74,7 @@ def shared_libraries(folder: Path) -> set[str]:
 
 
 def owner(library: str, triplet: str) -> tuple[str, str]:
-    """Version and comment of a shared library: of the Debian package that has it here."""
+    """Version and comment of a shared library, from the Debian package that owns it here."""
     found = [
         output("dpkg-query", "--search", f"*/{triplet}/{folder}{library}")
         for folder in ("", "lib/")
@@ -86,7 +86,7 @@ def owner(library: str, triplet: str) -> tuple[str, str]:
 
 
 def linked(arch: str) -> dict[str, tuple[str, str]]:
-    """Version and way of use of what the compiler links into a program."""
+    """Version and way of use of the packages that the compiler links into a program."""
     found = {}
     for name, use in LINKED.items():
         path = output(COMPILERS.get(arch, "g++"), f"-print-file-name={name}")
@@ -108,7 +108,7 @@ def bundled(image: Path, place: Path) -> dict[str, tuple[str, str]]:
 
 
 def contents(kind: str, artefact: Path) -> dict[str, tuple[str, str]]:
-    """Version and way of use by name."""
+    """Version and way of use of an artefact's packages, by name."""
     sort = "deb" if kind in TRIPLETS and kind != "wheel" else kind.partition("-")[0]
     found = {name: (debian_version(name), "compiled in") for name in HEADERS[sort]}
     found["pymavlink"] = (locked("pymavlink"), "its dialect and SHA-256, compiled in")
@@ -136,7 +136,7 @@ def contents(kind: str, artefact: Path) -> dict[str, tuple[str, str]]:
 
 
 def main(kind: str, artefact: Path) -> None:
-    """Write the list beside the artefact."""
+    """Write the list next to the artefact."""
     digest = hashlib.sha256(artefact.read_bytes()).hexdigest()
     date = datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), UTC)
     packages = [

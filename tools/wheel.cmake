@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# What a wheel holds beside the native module and the Python tree: flotillad, and the page's Chart.js.
+# Contents of a wheel in addition to the native module and the Python tree: flotillad, and Chart.js.
 if(TARGET flotillad)
   install(TARGETS flotillad DESTINATION flotilla_usv/tree/bin)
 endif()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Times the firmware and the simulation, and counts the firmware's instructions.
 
-Times are noisy, so they are medians of several runs; instruction counts are exact. Instructions are
-those of the firmware alone: the difference of two runs of different length under callgrind.
+Times are noisy, so they are medians of several runs; instruction counts are exact. Only the
+firmware's instructions count: the difference of two runs of different length under callgrind.
 """
 
 import json
@@ -33,7 +33,7 @@ RUNS = 7
 DIAMOND_S = 60.0
 FIRMWARE_S = 20
 TICKS_PER_S = 100
-BOAT = 2  # has a leader that is a boat, and a follower
+BOAT = 2  # has a leader that is a boat, and has a follower
 
 
 class Figure(TypedDict):

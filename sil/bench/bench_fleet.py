@@ -88,7 +88,7 @@ def _median(rounds: list[FleetFigure]) -> FleetFigure:
 
 
 def sail(boats: int, duration_s: float) -> FleetFigure:
-    """Sail a fleet of that size twice: as it is, and with every stage timed."""
+    """Sail a fleet of that size twice: first unprofiled, then with every stage timed."""
     # Exclude compilation and its memory from the measurement.
     for _ in _steps(_batch(tree(1, 0.1), profile=False)):
         pass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How long a user waits for a command, beside what of that is sailing."""
+"""Times a user's wait for a command, and the part of it that is sailing."""
 
 import json
 import resource
@@ -42,7 +42,7 @@ def tell(console: Console) -> None:
 
 
 def _once(words: tuple[str, ...]) -> tuple[float, float, float]:
-    """Seconds of a command, of its sailing, and of CPU."""
+    """Seconds of a command, of its sailing, and of processor time."""
     with tempfile.TemporaryDirectory() as folder:
         out = ["--out", f"{folder}/out"] if len(words) > 1 else []
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -56,7 +56,7 @@ def _once(words: tuple[str, ...]) -> tuple[float, float, float]:
 
 
 def _sailing_s(out: Path) -> float:
-    """What the command itself says of its sailing; 0 where it sails nothing."""
+    """The command's own figure for its sailing, s; 0 if it sails nothing."""
     for name in ("summary.json", "campaign.json"):
         if (out / name).is_file():
             return float(json.loads((out / name).read_text(encoding="utf-8"))["wall_s"])

@@ -130,10 +130,12 @@ def viewed(said: Said) -> Iterator[tuple[str, int]]:
 
 
 def main(given: Sequence[str]) -> int:
-    """Exit status: 0."""
+    """Run the module's command line; exit status 0."""
     parser = argparse.ArgumentParser(prog="python -m sil.bench.page_cost", description=__doc__)
-    parser.add_argument("--boats", type=arguments.count, default=20, metavar="N", help="(20)")
-    parser.add_argument("--seconds", type=float, default=20.0, metavar="S", help="(20)")
+    parser.add_argument(
+        "--boats", type=arguments.count, default=20, metavar="N", help="number of boats (20)"
+    )
+    parser.add_argument("--seconds", type=float, default=20.0, metavar="S", help="seconds (20)")
     options = parser.parse_args(given)
     said = said_by(fleet_of(options.boats))
     with viewed(said) as (url, server):

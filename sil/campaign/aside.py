@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is done beside something else: nobody waits for it longer than it takes."""
+"""Work in parallel with a campaign, which never waits longer than that work takes."""
 
 import multiprocessing
 import threading
@@ -19,10 +19,10 @@ class _GivenUpError(Exception):
 def nominal_run(
     out: Path, scenario: Scenario, parameters: Mapping[str, float], say: Callable[[str], object]
 ) -> Iterator[None]:
-    """Sail the run in which nothing is drawn, and import what draws pictures.
+    """Sail the nominal run, which has no draws, and import the modules that draw pictures.
 
-    It costs the campaign nothing where it fails, which `say` is told, and is given up where the
-    campaign is.
+    A failure does not affect the campaign: it is only reported to `say`. If the campaign ends
+    early, so does the nominal run.
     """
     given_up = threading.Event()
 
@@ -41,7 +41,7 @@ def nominal_run(
             nominal.write(out, scenario, dict(parameters), progress)
         except _GivenUpError:
             pass
-        except Exception as error:  # whatever it is, the others are the campaign
+        except Exception as error:  # whatever fails here, the campaign goes on
             say(f"no nominal run: {type(error).__name__}: {error}")
 
     with ThreadPoolExecutor(1) as thread:
@@ -56,6 +56,6 @@ def nominal_run(
 
 @contextmanager
 def in_a_process(work: Callable[..., object], *arguments: object) -> Iterator[Callable[[], object]]:
-    """Call `work` in a process of its own; what is given waits for its result, or raises as it."""
+    """Call `work` in a process of its own; the yielded function returns its result or raises."""
     with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as process:
         yield process.submit(work, *arguments).result

@@ -28,7 +28,7 @@ from sil.scenario.scenario import Scenario
 
 _INTERRUPTED = 130
 BATCH, TRACES_BYTES = 25, 200e6
-"""So many runs are sailed in one go at most, with traces so large; no result depends on them."""
+"""Greatest number of runs in a batch, and size of its traces; results do not depend on them."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Campaign:
 
     @classmethod
     def of(cls, options: argparse.Namespace, command: str) -> "Campaign":
-        """The campaign of a command line; ValueError where it cannot be."""
+        """The campaign of a command line; ValueError if the options are invalid."""
         source = scenario.read(options.scenario, options.set, options.law)
         sampler = Sampler(source, options.seed)
         name, document = sampler.nominal.name, source.document
@@ -76,8 +76,8 @@ def main(options: argparse.Namespace, given: Sequence[str], began_s: float) -> i
 
 
 def _replay(campaign: Campaign, run: int, console: Console) -> None:
-    """Sail one run alone, with all that `flotilla run` leaves."""
-    # what draws pictures is not needed by a campaign's workers
+    """Sail one run alone, with all files that `flotilla run` leaves."""
+    # workers of a campaign do not need the modules that draw pictures
     from sil.campaign import campaign_report, rerun  # noqa: PLC0415
     from sil.report import one_run as single  # noqa: PLC0415
 
@@ -94,7 +94,7 @@ def _sail(
     campaign: Campaign, options: argparse.Namespace, began_s: float, console: Console
 ) -> None:
     identity, folder, sampler = campaign.identity, campaign.folder, campaign.sampler
-    # What cannot be is told before anything is sailed.
+    # Report impossible runs before any is sailed.
     check(sampler.nominal, dict(identity.parameters))
     for run in range(identity.runs):
         sampler.scenario(run)
@@ -146,7 +146,7 @@ def _sail_left(
 def _most_runs(nominal: Scenario) -> int:
     """The greatest number of runs of a scenario in one batch."""
     ticks, boats = nominal.duration_s * nominal.rate_hz, len(nominal.boat)
-    # eta and nu of every agent, tau of every boat, as sil.lockstep.trace.Tracer holds them
+    # eta and nu of every agent, tau of every boat: the arrays in sil.lockstep.trace.Tracer
     trace_bytes = 8.0 * ticks * (6 * (boats + 1) + 2 * boats)
     return max(1, min(BATCH, int(TRACES_BYTES / trace_bytes)))
 
@@ -158,8 +158,8 @@ def _finish(
     began_s: float,
     console: Console,
 ) -> None:
-    """Write the tables and campaign.json, tell what is in them."""
-    # what workers need not have, and nobody waits for
+    """Write the tables and campaign.json, and print a summary."""
+    # modules that workers do not need, imported while the runs are sailed
     from sil.campaign import (  # noqa: PLC0415
         campaign_report,
         table,

@@ -16,8 +16,8 @@ from sil.plant.hull import Array
 class Figure:
     """A quantile over runs of a figure; values below `least` count as `least`.
 
-    `of`: the number of every run (R), infinite where the run has none because it went wrong.
-    `of_ok`: only runs that went well in both campaigns have it.
+    `of`: the value of every run (R), infinite if the run has none because it went wrong. `of_ok`:
+    only runs that went well in both campaigns count.
     """
 
     key: str
@@ -31,7 +31,7 @@ class Figure:
 
 LOST = "lost"
 LEAST_RUNS = 20
-"""With fewer, chance cannot be told from change."""
+"""With fewer runs, chance cannot be distinguished from change."""
 
 
 def _worst(name: str) -> Callable[[Campaign], Array]:
@@ -71,13 +71,13 @@ FIGURES = (
     ),
 )
 WHAT = {figure.key: figure.what for figure in FIGURES} | {LOST: "diverged or failed"}
-"""What each figure is, by key; medians over runs where it does not say otherwise."""
+"""Meaning of each figure, by key; medians over runs unless the text says otherwise."""
 
 
 def compare(a: Campaign, b: Campaign, *, paired: bool) -> dict[str, Change]:
-    """Every figure's change by its key; those that too few runs have are left out.
+    """The change of every figure, by key; figures of too few runs are left out.
 
-    `paired`: both have the same runs, in the same order.
+    `paired`: both campaigns have the same runs, in the same order.
     """
     tests = len(WHAT)
     found = {}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The folder of a campaign: what it is, the parts that are done, the tables in the end.
+"""The folder of a campaign: its identity, its finished parts and, in the end, its tables.
 
-`campaign.json` says what is sailed; while `parts/` is there it is not finished, and goes on where
-it was interrupted. Every file appears whole or not at all.
+`campaign.json` describes the campaign. While `parts/` exists the campaign is unfinished, and
+continues where it was interrupted. Every file appears whole or not at all.
 """
 
 import fcntl
@@ -25,14 +25,14 @@ _SAMPLES = ("error_m", "psi_rad")
 
 
 class CampaignError(ValueError):
-    """A folder that cannot be used: another campaign's, not finished; at work; damaged."""
+    """A folder cannot be used: it holds another campaign, is unfinished, in use, or damaged."""
 
 
 @dataclass(frozen=True)
 class Identity:
     """The identity of a campaign: it determines every row of the tables.
 
-    `document` is that of the scenario with its overrides; `code` is `work.code()`.
+    `document` is the scenario's document with its overrides; `code` is the result of `work.code()`.
     """
 
     scenario: str
@@ -52,7 +52,7 @@ class Folder:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Make the folder and keep others out; CampaignError where another one is at work in it."""
+        """Create and lock the folder; CampaignError if another command is at work in it."""
         self.path.mkdir(parents=True, exist_ok=True)
         with (self.path / ".lock").open("w") as lock:
             try:
@@ -62,7 +62,7 @@ class Folder:
             yield
 
     def check(self, identity: Identity) -> None:
-        """CampaignError where an unfinished campaign is there that is not this one."""
+        """CampaignError if the folder has an unfinished campaign other than this one."""
         if not self._parts.is_dir():
             return
         known = self._known()
@@ -73,7 +73,7 @@ class Folder:
         if differences:
             can = f"Finish that one first, by {known.get('command')}, or remove"
             if known.get("code") != identity.code:
-                can = "What is here now cannot finish that one: remove"
+                can = "This version cannot finish that one: remove"
             raise CampaignError(
                 f"{self.path} holds an unfinished campaign that differs in "
                 f"{'; '.join(differences)}. {can} the folder, or choose another --out"
@@ -91,9 +91,9 @@ class Folder:
     def begin(
         self, identity: Identity, command: str, say: Callable[[str], object] = print
     ) -> list[ShareResult]:
-        """Begin the campaign, or go on with it: the results that are there.
+        """Begin the campaign, or continue it; return the results that already exist.
 
-        What cannot be read of them is removed, which `say` is told.
+        Unreadable results are removed, and `say` is told.
         """
         self.check(identity)
         self.path.mkdir(parents=True, exist_ok=True)
@@ -104,13 +104,13 @@ class Folder:
         for path in sorted(self._parts.glob("*.npz")):
             try:
                 results.append(_decoded(path.read_bytes()))
-            except Exception as error:  # whatever is wrong with it, its runs are sailed again
+            except Exception as error:  # whatever is wrong with the part, its runs are sailed again
                 say(f"{path} cannot be read, its runs are sailed again: {error}")
                 path.unlink()
         return results
 
     def keep(self, result: ShareResult) -> None:
-        """Keep the results of a batch; its first run gives it a name."""
+        """Keep the results of a batch in a file named after its first run."""
         _replace(self._parts / f"{result.runs[0].run:06d}.npz", _encoded(result))
 
     def write(self, name: str, content: bytes) -> None:
@@ -118,7 +118,7 @@ class Folder:
         _replace(self.path / name, content)
 
     def write_json(self, identity: Identity, more: Mapping[str, Any]) -> None:
-        """Write campaign.json: what the campaign is, and `more`."""
+        """Write campaign.json: the identity of the campaign, and `more`."""
         text = json.dumps(files.plain({**asdict(identity), **more}), indent=1, allow_nan=False)
         _replace(self.path / "campaign.json", f"{text}\n".encode())
 
@@ -131,7 +131,7 @@ def _replace(path: Path, content: bytes) -> None:
     try:
         files.replace(path, content)
     except OSError as error:
-        # a full disk does not say what it was to hold
+        # the error of a full disk does not name the file
         raise OSError(error.errno, error.strerror, str(path)) from None
 
 
@@ -144,7 +144,7 @@ def _differences(key: str, was: Any, now: Any) -> Iterator[str]:
 
 
 def _encoded(result: ShareResult) -> bytes:
-    """A batch's results as an .npz file: all but the samples as JSON, which keeps every bit."""
+    """A batch's results as an .npz file: JSON, which keeps every bit, except for the samples."""
     names = [field.name for field in fields(RunResult) if field.name not in _SAMPLES]
     runs = [{name: getattr(run, name) for name in names} for run in result.runs]
     sailed = [run for run in result.runs if run.boats]

@@ -28,8 +28,8 @@ _PAGE = Template((Path(__file__).parent / "report.html").read_text(encoding="utf
 def write(out: Path, worst_sailed: Callable[[], object] = lambda: None) -> None:
     """Write `out`/report.html, which needs no other file, from the campaign's files in `out`.
 
-    `worst_sailed` returns once the worst run is in `out`, or is not to be. ValueError, in one line,
-    where a file is missing or is not a campaign's.
+    `worst_sailed` returns once the worst run is in `out`, or will not come. ValueError, in one
+    line, if a file is missing or does not belong to a campaign.
     """
     campaign = finished.tables(out)
     sampled, trace = samples.read(campaign), nominal.read(out)
@@ -47,7 +47,7 @@ def page(
 ) -> str:
     """The report as one HTML page; `drawn`: pictures of the nominal run and of all errors.
 
-    `worst_told`: the history of the worst run, as worst.json has it.
+    `worst_told`: the history of the worst run, from worst.json.
     """
     header, found = campaign.header, headline.of_campaign(page_tables.ended(campaign))
     last_lost, more = page_tables.lost(campaign)
@@ -115,7 +115,7 @@ def errors_figure(campaign: Campaign, sampled: Samples, trace: dict[str, Array] 
 
 
 def _root(campaign: Campaign) -> str:
-    """Agent 0 in the pictures, as `sil.scenario.sections.Leader` names it."""
+    """The name of agent 0 in the pictures, from `sil.scenario.sections.Leader`."""
     boat = campaign.header.get("document", {}).get("leader", {}).get("boat")
     return Leader(boat=boat).name
 
@@ -138,7 +138,7 @@ def _picture(figure: Figure, about: str) -> str:
 
 
 def _replays(campaign: Campaign, head: Sequence[str], rows: Iterable[tuple[int, list[str]]]) -> str:
-    """Rows of runs, each with the command that replays it, linked to its report if it was."""
+    """Rows of runs, each with the command that replays it; runs with a report are linked to it."""
     texts, command = [], campaign.header.get("command")
     for run, cells in rows:
         replayed = rerun.is_same(campaign, run)

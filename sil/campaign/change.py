@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Whether a figure of campaign B differs from that of campaign A by more than chance.
+"""Tests whether a figure differs between campaigns A and B by more than chance.
 
-Numbers of runs are compared as ratios, by percentile bootstrap of the difference of logarithms:
+Figures of runs are compared as ratios, by percentile bootstrap of the difference of logarithms:
 Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13. Shares of runs are
-compared by exact tests: Fisher's, or McNemar's where the runs are pairs.
+compared by exact tests: Fisher's, or McNemar's if the runs are pairs.
 """
 
 import math
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-import scipy  # its parts are imported when they are used: stats takes half a second
+import scipy  # its parts are imported on first use: stats takes half a second
 
 from sil.campaign.finished import Mask
 from sil.plant.hull import Array
@@ -19,9 +19,9 @@ from sil.plant.hull import Array
 Verdict = Literal["better", "worse", "same"]
 
 FALSE_ALARMS = 0.01
-"""Share of comparisons of equal code in which any figure is told as changed, at most."""
+"""Greatest share of comparisons of equal code in which any figure is reported as changed."""
 MARGIN = 0.01
-"""Ratios nearer to 1 are nobody's concern, however certain they are."""
+"""A ratio nearer to 1 does not count as a change, however certain it is."""
 _MARGIN_OF_SHARE = 0.01
 _MEDIAN, _NEVER = 0.5, 1e9
 _RESAMPLES, _BATCH, _SEED = 9999, 500, 20
@@ -29,9 +29,10 @@ _RESAMPLES, _BATCH, _SEED = 9999, 500, 20
 
 @dataclass(frozen=True)
 class Change:
-    """`a`, `b`: the figure in both; `ratio` b/a with its interval, NaN for shares; `p` of shares.
+    """A comparison of a figure between two campaigns.
 
-    Of pairs, `ratio` is the median of the runs' own ratios where the figure is a median.
+    `a`, `b`: the figure in both; `ratio`: b/a with its interval, NaN for shares; `p`: p-value of
+    shares. For pairs, the ratio of a median figure is the median of the runs' own ratios.
     """
 
     a: float
@@ -44,7 +45,7 @@ class Change:
 
 
 def confidence(tests: int) -> float:
-    """Of each interval, where `tests` figures are compared at once."""
+    """Confidence level of each interval if `tests` figures are compared at once."""
     return 1.0 - FALSE_ALARMS / tests
 
 
@@ -54,7 +55,7 @@ def of_ratio(
     """Compare the quantile `share` of figures `a`, `b` of runs (R), which may be infinite.
 
     Figures below `least` count as `least`. `tests`: how many figures are compared at once.
-    `paired`: a[k] and b[k] are one run's.
+    `paired`: a[k] and b[k] belong to the same run.
     """
     logs = tuple(np.log(np.clip(values, least, _NEVER)) for values in (a, b))
     of_each = paired and share == _MEDIAN
@@ -84,7 +85,7 @@ def of_ratio(
 
 
 def of_share(a: Mask, b: Mask, tests: int, *, paired: bool) -> Change:
-    """Compare the shares of runs (R, bool) to which something happened that should not."""
+    """Compare the shares of runs (R, bool) in which an unwanted event happened."""
     own, other = float(np.mean(a)), float(np.mean(b))
     if paired:
         only_a, only_b = int(np.sum(a & ~b)), int(np.sum(b & ~a))
@@ -104,11 +105,11 @@ def _verdict(more: bool, less: bool, less_is_worse: bool) -> Verdict:
 
 
 def _quantile(values: Array, share: float, axis: int) -> Array:
-    # without interpolation: there is nothing between a number and infinity
+    # without interpolation, which is impossible between a number and infinity
     return np.asarray(np.quantile(values, share, axis=axis, method="inverted_cdf"))
 
 
 def _ratio(log: float) -> float:
-    """The ratio, infinite or 0 where one of the two never happened."""
+    """The ratio from its logarithm; infinite or 0 if only one campaign has the event."""
     far = 0.5 * math.log(_NEVER)
     return math.inf if log > far else 0.0 if log < -far else math.exp(log)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whether campaign B is worse than A by more than chance."""
+"""Tests whether campaign B is worse than campaign A by more than chance."""
 
 import argparse
 import json
@@ -18,7 +18,10 @@ from sil.common import files
 
 
 def main(options: argparse.Namespace) -> int:
-    """Exit status: 0, 1 where any figure of B is worse, 2 for a mistake of the caller."""
+    """Compare two campaigns and print the result; returns the exit status.
+
+    0; 1 if any figure of B is worse; 2 after a mistake of the caller.
+    """
     try:
         pairing = pairs.pair(finished.read(options.a), finished.read(options.b))
         _need_runs(pairing)
@@ -33,7 +36,7 @@ def main(options: argparse.Namespace) -> int:
 
 
 def _need_runs(pairing: Pairing) -> None:
-    """ValueError if there are too few runs to tell chance from change."""
+    """ValueError if there are too few runs to distinguish change from chance."""
     for campaign in (pairing.a, pairing.b):
         count = campaign.runs.size
         if count < campaign_figures.LEAST_RUNS:
@@ -66,7 +69,7 @@ def _show(console: Console, pairing: Pairing, found: Mapping[str, Change]) -> No
 
 
 def _json(pairing: Pairing, found: Mapping[str, Change]) -> bytes:
-    """The comparison as JSON; infinite figures, and what a figure has not, are null."""
+    """The comparison as JSON; infinite and missing figures are null."""
     entries: Sequence[Mapping[str, Any]] = [
         {"figure": key, "what": campaign_figures.WHAT[key], **asdict(one)}
         for key, one in found.items()

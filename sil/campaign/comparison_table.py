@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Two campaigns beside each other, for the terminal."""
+"""Table of two campaigns side by side, for the terminal."""
 
 import math
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ _STYLES = {"worse": "bold red", "better": "bold green", "same": None}
 
 
 def table(found: Mapping[str, Change]) -> Table:
-    """A row a figure: A, B, their ratio with its interval, and what that means."""
+    """One row for each figure: A, B, their ratio with its interval, and the verdict."""
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     grid.add_column("")
     for column in ("A", "B", "B/A", f"{confidence(len(WHAT)):.2%} interval"):
@@ -30,9 +30,9 @@ def note(*, paired: bool) -> str:
     """Explain the table's numbers."""
     own = "; B/A is the median of the runs' own ratios" if paired else ""
     return (
-        f"Medians over the runs where it does not say otherwise{own}. Better, worse: all of the "
+        f"Medians over the runs unless stated otherwise{own}. Better, worse: all of the "
         f"interval is more than {MARGIN:.0%} away from 1. Of comparisons of equal code at most "
-        f"{FALSE_ALARMS:.0%} tell of any change."
+        f"{FALSE_ALARMS:.0%} report any change."
     )
 
 

@@ -20,10 +20,10 @@ OK, DIVERGED, FAILED = "ok", "diverged", "failed"
 
 @dataclass(frozen=True)
 class Campaign:
-    """What campaign.json says, and table.parquet by runs (R) and boats (N).
+    """The content of campaign.json, and of table.parquet by runs (R) and boats (N).
 
-    `runs` (R): their numbers, ascending; `outcome`, `reason` and `digest` (R) of each; `cells`:
-    the columns of numbers (R, N) by name, NaN where the table has none.
+    `runs` (R): the runs' numbers, ascending. `outcome`, `reason` and `digest` (R): one entry for
+    each run. `cells`: the numeric columns (R, N) by name, NaN where the table is empty.
     """
 
     folder: Path
@@ -36,26 +36,26 @@ class Campaign:
 
     @property
     def scenario(self) -> str:
-        """Its name."""
+        """The scenario's name."""
         return str(self.header["scenario"])
 
     @property
     def boats(self) -> int:
-        """How many there are in a run."""
+        """The number of boats in a run."""
         return int(self.cells["rms_error_m"].shape[1])
 
     @property
     def ok(self) -> Mask:
-        """Which runs (R) neither diverged nor failed."""
+        """Mask (R) of the runs that neither diverged nor failed."""
         return np.asarray(self.outcome == OK)
 
     def worst(self, name: str) -> Array:
-        """The largest of each run's boats in column `name` (R), NaN where one of them has none."""
+        """The largest value of column `name` in each run (R); NaN if a boat of the run has none."""
         return np.asarray(self.cells[name].max(axis=1))
 
 
 def read(folder: Path) -> Campaign:
-    """Read a campaign. ValueError, in one line, where there is none or it is not finished."""
+    """Read a campaign; ValueError, in one line, if there is none or it is unfinished."""
     header = _header(folder)
     if (folder / "parts").is_dir():
         raise ValueError(f"{folder} is not finished; to go on: {header.get('command')}")
@@ -63,7 +63,7 @@ def read(folder: Path) -> Campaign:
 
 
 def tables(folder: Path) -> Campaign:
-    """As `read`, of a campaign that may be about to be finished: its tables are written."""
+    """The same as `read`, for a campaign that has its tables but may not be finished."""
     header = _header(folder)
     table = columns(folder, "table")
     try:
@@ -85,7 +85,7 @@ def columns(folder: Path, stem: str) -> Columns:
     """The columns of `folder`/`stem`.parquet; numbers that are null are NaN."""
     path = folder / f"{stem}.parquet"
     if not path.is_file():
-        again = "is the campaign not finished? The command that began it goes on with it"
+        again = "the campaign may be unfinished; the command that began it continues it"
         raise ValueError(f"no {path}: {again}")
     try:
         table = pq.read_table(path)

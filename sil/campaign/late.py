@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Percentiles of |e| over all runs once boats are held to be in formation: one definition."""
+"""Percentiles of |e| over all runs, from the time on when boats should be in formation."""
 
 import numpy as np
 
@@ -8,15 +8,15 @@ from sil.plant.hull import Array
 
 
 def from_s(last_s: float) -> float:
-    """From when on a run whose last whole second is `last_s` counts: 100 s, or half of it."""
+    """Start of the interval that counts in a run that lasts `last_s`: 100 s, or half of it."""
     return min(SETTLED_S, 0.5 * last_s)
 
 
 def percentiles(error_m: Array, percents: tuple[float, ...]) -> Array:
     """Percentiles (N, len(percents)) of distances `error_m` (N, R, S) at whole seconds 0 … S − 1.
 
-    Over all runs and the seconds from `from_s` on, without interpolation: there is nothing between
-    a number and infinity. NaN where no run sailed.
+    Taken over all runs and the seconds from `from_s` on, without interpolation, which is impossible
+    between a number and infinity. NaN if no run sailed.
     """
     late = error_m[:, :, int(np.ceil(from_s(error_m.shape[2] - 1))) :]
     if late[:1].size == 0:

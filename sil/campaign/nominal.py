@@ -24,10 +24,11 @@ def write(
 ) -> bool:
     """Sail `scenario` and write nominal.npz into the existing folder `out`: t_s, eta, error.
 
-    From its own start, with hulls as the firmware knows them and w = 0: the dash-dotted lines of
-    the paper's Fig. 2. Ten samples a second, shapes as in trace.npz. `parameters`: the firmware's,
-    over the scenario's; `progress` is called with the share that is done. False, and no file, where
-    the boats cannot be started, or break a rule.
+    The run has the scenario's own start, hulls as in the firmware's model, and w = 0: the
+    dash-dotted lines of the paper's Fig. 2. Ten samples a second, shapes as in trace.npz.
+    `parameters`: firmware parameters that override the scenario's; `progress` is called with the
+    share that is done. Returns False, and writes no file, if the boats cannot be started or break a
+    rule.
     """
     (out / NAME).unlink(missing_ok=True)
     nominal = {"mismatch": Mismatch(), "white_noise": WhiteNoise()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tables of a campaign's report: heads, and rows of text."""
+"""Tables of a campaign's report: headers, and rows of text."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -52,7 +52,7 @@ def errors(campaign: Campaign, samples: Samples) -> list[Cells]:
 
 
 def thrust(campaign: Campaign) -> list[Cells]:
-    """Median and 95th percentile over the runs that did not diverge, a row a boat."""
+    """Median and 95th percentile over the runs that did not diverge, one row for each boat."""
     ok = campaign.ok
     columns = [campaign.cells[name][ok] for name in ("thrust_rms_N", "thrust_step_rms_N")]
     return [
@@ -63,7 +63,7 @@ def thrust(campaign: Campaign) -> list[Cells]:
 
 
 def states(campaign: Campaign) -> tuple[Cells, list[Cells]]:
-    """Head and rows: mean seconds a run in each state that occurs, and in how many runs it does."""
+    """Header and rows: mean seconds a run in each state that occurs; the number of such runs."""
     seconds = {
         name.removeprefix("s_"): values[campaign.outcome != FAILED]
         for name, values in campaign.cells.items()
@@ -78,7 +78,7 @@ def states(campaign: Campaign) -> tuple[Cells, list[Cells]]:
 
 
 def worst(campaign: Campaign) -> list[tuple[int, Cells]]:
-    """Runs, the worst first, of those that did not diverge: by their worst boat's 95 % of |e|."""
+    """Runs that did not diverge, the worst first: by their worst boat's 95 % of |e|."""
     error_m = np.nan_to_num(campaign.cells["error_p95_m"], nan=np.inf)
     ok = np.flatnonzero(campaign.ok)
     order = ok[np.argsort(-error_m[ok].max(axis=1), kind="stable")]
@@ -93,7 +93,7 @@ def worst(campaign: Campaign) -> list[tuple[int, Cells]]:
 
 
 def lost(campaign: Campaign) -> tuple[list[tuple[int, Cells]], int]:
-    """The first runs that diverged or failed, with their reasons; and how many more there are."""
+    """The first runs that diverged or failed, with their reasons; the number of further ones."""
     found = np.flatnonzero(~campaign.ok)
     rows = []
     for index in found[:MOST_LOST]:
@@ -103,7 +103,7 @@ def lost(campaign: Campaign) -> tuple[list[tuple[int, Cells]], int]:
 
 
 def separation(campaign: Campaign) -> str:
-    """The closest two boats of a run, over the runs that did not diverge, in a sentence."""
+    """A sentence on the closest two boats of a run, over the runs that did not diverge."""
     ok = campaign.ok
     least_m, runs = campaign.cells["min_separation_m"][ok, 0], campaign.runs[ok]
     if not np.isfinite(least_m).any():
@@ -117,7 +117,7 @@ def separation(campaign: Campaign) -> str:
 
 
 def ended(campaign: Campaign) -> Ended:
-    """How the runs ended, for the verdict."""
+    """Numbers of runs by their end, for the verdict."""
     hull_m = _hull_m(campaign.header.get("document", {}))
     least_m = campaign.cells["min_separation_m"][:, 0]
     return Ended(
@@ -137,7 +137,7 @@ def _hull_m(document: Mapping[str, Any]) -> float:
 
 
 def number(value: float, digits: int) -> str:
-    """A figure as the pages have it."""
+    """A figure in the pages' format."""
     return "∞" if math.isinf(value) else "–" if math.isnan(value) else f"{value:.{digits}f}"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which runs of two campaigns belong together: those with the same seed and the same draws."""
+"""Pairs the runs of two campaigns that have the same seed and the same draws."""
 
 import json
 from collections.abc import Iterator
@@ -17,10 +17,10 @@ _SHAPE = ("duration_s", "rate_hz", "follows")
 
 @dataclass(frozen=True)
 class Pairing:
-    """Two campaigns to be compared: of pairs, the runs that both have, in the same order.
+    """Two campaigns to be compared; if paired, only their common runs, in the same order.
 
-    `about` says how they are compared and why, `differences` what was sailed differently; `same`:
-    every pair of runs has the same digest.
+    `about`: how they are compared, and why. `differences`: what differed between the campaigns.
+    `same`: every pair of runs has the same digest.
     """
 
     a: Campaign
@@ -32,7 +32,7 @@ class Pairing:
 
 
 def pair(a: Campaign, b: Campaign) -> Pairing:
-    """Pair two campaigns of a scenario; ValueError where they cannot be compared."""
+    """Pair two campaigns of a scenario; ValueError if they cannot be compared."""
     if (a.scenario, a.boats) != (b.scenario, b.boats):
         told = (f"{c.folder} has {c.scenario}, boats: {c.boats}" for c in (a, b))
         raise ValueError(f"not one scenario: {'; '.join(told)}. Sail one scenario twice")
@@ -86,7 +86,7 @@ def _draws(campaign: Campaign) -> dict[tuple[int, str], tuple[str, ...]]:
     run, key = table.pop("run"), table.pop("key")
     row = np.isin(run, campaign.runs)
     places = zip(run[row].tolist(), key[row].tolist(), strict=True)
-    # as texts, NaN is equal to itself
+    # as text, NaN is equal to itself
     values = zip(*(map(repr, column[row].tolist()) for column in table.values()), strict=True)
     return dict(zip(places, values, strict=True))
 

@@ -29,7 +29,7 @@ _ALL: dict[str, Any] = {"alpha": 0.11, "lw": 0}
 
 @dataclass(frozen=True)
 class Errors:
-    """The data of the errors' picture: envelopes.parquet, samples, nominal.npz if any."""
+    """The data of the picture of errors: envelopes.parquet, samples, nominal.npz if any."""
 
     envelopes: Columns
     samples: Samples
@@ -39,8 +39,9 @@ class Errors:
 def errors(name: str, shown: Errors, pairs: Sequence[str]) -> Figure:
     """Envelopes of each boat's distance from its slot over all runs, logarithmic, one panel a boat.
 
-    `pairs`: what each boat's panel is called. Where a percentile is infinite because runs
-    diverged, its band ends at the top. Of more than six boats the worst at the end are shown.
+    `pairs`: the title of each boat's panel. If a percentile is infinite because runs diverged, its
+    band ends at the top. If there are more than six boats, the worst six at the end of the run are
+    shown.
     """
     boats = _worst_boats(shown.envelopes, len(pairs))
     across = min(2, len(boats))
@@ -79,7 +80,7 @@ def _draw(axes: Axes, shown: Errors, boat: int, limits: tuple[float, float]) -> 
         axes.fill_between(shown.samples.t_s, low, high, color=colour, **_ALL)
     for low_key, high_key, alpha, _ in _BANDS:
         axes.fill_between(t_s, band[low_key], band[high_key], color=colour, alpha=alpha, lw=0)
-    # a median at the top would be hidden by the frame's end
+    # without clipping, the frame does not hide a median at the top
     axes.plot(t_s, band["p50"], color=colour, lw=1.6, clip_on=False)
     if shown.nominal is not None:
         distance = metrics.distances(shown.nominal["error"][:, boat - 1])
@@ -91,7 +92,7 @@ def _draw(axes: Axes, shown: Errors, boat: int, limits: tuple[float, float]) -> 
 
 
 def _tell_infinite(axes: Axes, band: Columns) -> None:
-    """Say how many runs are not on the picture because they are infinitely far off."""
+    """Print the number of runs that the picture lacks because they are infinitely far away."""
     lost, count = int(band["n_diverged"].max()), int(band["n"].max())
     if lost:
         text = f"{lost} of {count} infinite"
@@ -107,7 +108,7 @@ def _worst_boats(envelopes: Columns, count: int) -> list[int]:
 
 
 def _limits(shown: Errors) -> tuple[float, float]:
-    """Bottom and top of the axis: of all finite numbers that are shown, with room above."""
+    """Bottom and top of the axis: the range of all finite numbers shown, with a margin above."""
     parts = [shown.envelopes[key] for key in ("p5", "p50", "p95")]
     parts.append(shown.samples.error_m[:, shown.samples.ok].max(axis=1, initial=0.0).ravel())
     values = np.concatenate([np.ravel(part) for part in parts])

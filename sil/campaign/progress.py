@@ -15,9 +15,10 @@ from sil.scenario.scenario import Scenario
 def bar(
     nominal: Scenario, runs: int, done: int, console: Console
 ) -> Iterator[Callable[[int], None]]:
-    """Show how many of `runs` runs are sailed, how fast, and the time left.
+    """Show the number of runs sailed out of `runs`, the speed, and the time left.
 
-    `done` are there at the beginning; what it gives is called with the number of those that come.
+    `done` runs exist at the beginning. Call the yielded function with the number of each batch's
+    runs.
     """
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"))
     shown = Progress(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A run of a campaign sailed again, alone: whether it belongs to the campaign in its folder."""
+"""Sails a run of a campaign again, alone, and checks that it belongs to the folder's campaign."""
 
 import json
 from dataclasses import asdict
@@ -21,9 +21,9 @@ def place(folder: Path, run: int) -> Path:
 
 
 def check(folder: Path, identity: Identity, run: int) -> None:
-    """CampaignError where `folder` has a campaign that is not `identity`, or has no such run.
+    """CampaignError if the campaign in `folder` is not `identity`, or lacks the run.
 
-    Of other code it may be: `is_same` tells whether the boats moved as they did.
+    The code may differ: `is_same` tells whether the boats moved in the same way.
     """
     path = folder / "campaign.json"
     if not path.is_file():
@@ -50,7 +50,7 @@ def is_finished(folder: Path) -> bool:
 
 
 def is_same(campaign: Campaign, run: int) -> bool:
-    """Whether the run was sailed again and moved, bit for bit, as the campaign's table has it."""
+    """Whether the run was sailed again, with the same motion, bit for bit, as in the table."""
     trace = place(campaign.folder, run) / "trace.npz"
     if not trace.is_file():
         return False
@@ -60,7 +60,7 @@ def is_same(campaign: Campaign, run: int) -> bool:
 
 
 def told(folder: Path, run: int) -> str:
-    """A sentence on the run that was just sailed, of a campaign that is finished."""
+    """A sentence on the run just sailed, if the campaign is finished."""
     if is_same(finished.read(folder), run):
         return f"run {run}: the same motion as in the campaign's table, bit for bit"
     return f"[bold red]run {run}: not the motion of the campaign's table: other code or machine"

@@ -16,7 +16,7 @@ from sil.scenario.scenario import Scenario
 
 DIVERGED_M, DIVERGED_TIMES = 10.0, 2.0
 SETTLED_S = 100.0
-"""After this time, or half the duration where that is sooner, boats are held to be in formation."""
+"""After this time, or half the duration if that is shorter, boats should be in formation."""
 
 
 def _none() -> Array:
@@ -28,7 +28,7 @@ Figures = dict[str, float | None]
 
 @dataclass(frozen=True)
 class RunResult:
-    """What is left of a run: an entry a boat in `boats` and `states`; nothing where it failed.
+    """The results of a run; `boats` and `states` have one entry for each boat, none if it failed.
 
     outcome "ok", "diverged", "failed"; `error_m`, `psi_rad` (N, S) at the whole seconds 0 … S − 1.
     """
@@ -51,7 +51,7 @@ def result_of(run: int, scenario: Scenario, outcome: Run | RunError) -> RunResul
         return RunResult(run, scenario.seed, "failed", str(outcome))
     trace = outcome.trace
     t_s, error = trace["t_s"], trace["error"]
-    with np.errstate(all="ignore"):  # of what diverged, figures are not finite
+    with np.errstate(all="ignore"):  # figures of a diverged run are not finite
         distance = metrics.distances(error)
         reason = _divergence(t_s, distance, trace)
         entries = metrics.boats(t_s, error, trace["thrust"], outcome.states)
@@ -87,7 +87,7 @@ def result_of(run: int, scenario: Scenario, outcome: Run | RunError) -> RunResul
 
 
 def distances(results: Sequence[RunResult]) -> Array:
-    """Distances from the slot (R, N, S), m, of runs that sailed; infinite where one diverged."""
+    """Distances from the slot (R, N, S), m, of runs that sailed; infinite for diverged runs."""
     sailed = [result for result in results if result.boats]
     if not sailed:
         return np.zeros((0, 0, 0), np.float32)
@@ -97,14 +97,14 @@ def distances(results: Sequence[RunResult]) -> Array:
 
 
 def _divergence(t_s: Array, distance: Array, trace: Mapping[str, Array]) -> str:
-    """Which agents of a run diverged and how; empty if none did."""
+    """Describe which agents of a run diverged and how; empty if none did."""
     told = [] if _finite(trace, 0) else ["virtual leader: state not finite"]
     late = distance[t_s >= t_s[-1] * 2.0 / 3.0].max(axis=0)
     limit = np.maximum(DIVERGED_M, DIVERGED_TIMES * distance[0])
     for i in range(distance.shape[1]):
         if not _finite(trace, i + 1):
             told.append(f"boat {i + 1}: state not finite")
-        elif not late[i] <= limit[i]:  # NaN is not
+        elif not late[i] <= limit[i]:  # also true for NaN
             told.append(f"boat {i + 1}: {late[i]:.1f} m from its slot")
     return "; ".join(told)
 

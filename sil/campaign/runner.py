@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Who sails the batches: processes of this machine, or the workers of a Dask cluster.
+"""Sails batches in processes of this machine, or on the workers of a Dask cluster.
 
-Either way each batch's result is noted as it comes, and none is missing in the end: a batch that
-loses its process is sailed run by run, and a run that does so alone has failed.
+Either way each batch's result is noted as it arrives, and none is missing in the end. If a batch
+loses its process, its runs are sailed one by one; a run that loses its process alone has failed.
 """
 
 import logging
@@ -14,7 +14,7 @@ from sil.common import pool
 
 Note = Callable[[ShareResult], None]
 _DIED = "the process died"
-_TASKS = 4  # for each thread of a cluster
+_TASKS = 4  # tasks for each thread of a cluster
 
 
 def locally(batches: Sequence[Share], workers: int, note: Note) -> None:
@@ -36,16 +36,16 @@ def on_cluster(
     note: Note,
     say: Callable[[str], object] = print,
 ) -> int:
-    """Sail batches on the Dask cluster whose scheduler is at `address`; its number of threads.
+    """Sail batches on the Dask cluster whose scheduler is at `address`; return its thread count.
 
-    `batches_for` is told how many it should make, so that none waits long for the last of them.
-    Where there is no worker, `say` is told that one is waited for. A worker that dies is made up
-    for by the others, as often as the scheduler's `allowed-failures` lets it. OSError where there
-    is no scheduler, or it is lost.
+    `batches_for` makes the requested number of batches, so that none waits long for the last one.
+    If there is no worker, `say` is told that the first is awaited. Other workers replace one that
+    dies, as often as the scheduler's `allowed-failures` permits. OSError if there is no scheduler,
+    or its connection is lost.
     """
-    import distributed  # noqa: PLC0415  half a second that a local campaign does not spend
+    import distributed  # noqa: PLC0415 takes half a second, which a local campaign saves
 
-    # what goes wrong is raised, which is told in a line
+    # errors are raised, and reported in one line
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     with distributed.Client(address) as client:
         try:
@@ -56,7 +56,7 @@ def on_cluster(
             return _threads(client)
         except (OSError, OtherCodeError):
             raise
-        except Exception as error:  # Dask has many
+        except Exception as error:  # Dask raises many types
             told = str(error).partition("\n")[0]
             raise OSError(f"{address}: {type(error).__name__}: {told}") from None
 
@@ -86,7 +86,8 @@ def _sail(client: Any, batches: Sequence[Share], note: Note) -> None:
             under_way.update(submit(tuple(batch.singles())))
         else:
             suspects.append(batch)
-    # Dask blames all that waited on a worker that died: alone, none is blamed for another.
+    # Dask blames every batch that waited on the dead worker; alone, a batch is blamed only for
+    # itself.
     for batch in suspects:
         (alone,) = submit((batch,))
         killed = isinstance(alone.exception(), KilledWorker)

@@ -14,8 +14,8 @@ from sil.plant.hull import Array
 class Samples:
     """Distances `error_m` (N, R, T) at `t_s` (T) of the R runs that sailed.
 
-    A run that diverged is infinitely far off at all times; one that failed is not among them.
-    `ok` (R): which did not diverge.
+    Distances of a diverged run are infinite at all times; failed runs are left out. `ok` (R): the
+    runs that did not diverge.
     """
 
     t_s: Array
@@ -33,7 +33,7 @@ class Samples:
 
 
 def read(campaign: Campaign) -> Samples:
-    """The samples of seconds.parquet. ValueError where it does not fit the campaign's table."""
+    """The samples of seconds.parquet; ValueError if they do not fit the campaign's table."""
     table = columns(campaign.folder, "seconds")
     sailed = campaign.runs[campaign.outcome != FAILED]
     row = np.isin(table["run"], sailed)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""The runs of a campaign: one scenario, each run with its own draws of what `[[vary]]` names.
+"""The runs of a campaign: one scenario, in which each run draws the keys of `[[vary]]` anew.
 
-Every number has a generator of its own, seeded by the campaign's seed, the run and the key: a run
-does not depend on how many there are, nor a key's draw on which other keys are drawn. A start at
-which two boats are nearer than `start_apart_m` is drawn once more, whole: what is left has the
-density that the file says, where it is allowed at all.
+Every number has its own generator, seeded by the campaign's seed, the run and the key. Thus a run
+does not depend on the number of runs, nor a key's draw on the other keys. A start at which two
+boats are nearer than `start_apart_m` is rejected and drawn again as a whole: accepted starts have
+the density of the file, restricted to the allowed starts.
 """
 
 import copy
@@ -22,18 +22,18 @@ from sil.scenario.scenario import Scenario, ScenarioError
 from sil.scenario.toml_errors import KeyPath, Source, lay
 
 Draws = dict[str, Value]
-"""What a run's varied keys come to, by their dotted names: `boat.2.eta.3`."""
+"""The drawn values of a run's varied keys, by their dotted names: `boat.2.eta.3`."""
 
 
 _ATTEMPTS = 1000
 
 
 class Sampler:
-    """Makes scenarios of a document: `scenario(run)` is run `run` of the campaign with `seed`.
+    """Makes the scenarios of a campaign: `scenario(run)` is run `run` of the campaign with `seed`.
 
-    Without a seed it is the document's.
+    By default the seed is the document's.
 
-    ScenarioError where a `[[vary]]` cannot be; it names file, line and key.
+    ScenarioError if a `[[vary]]` is invalid; it names file, line and key.
     """
 
     def __init__(self, source: Source, seed: int | None = None) -> None:
@@ -59,7 +59,7 @@ class Sampler:
                         raise LookupError(f'"{one.name}": varied of all boats and of one')
                     self._varied[one.path] = one
                     drawn[one.path] = place
-                    # an array must be whole before a draw takes the place of one element
+                    # an array must exist before a draw replaces one of its elements
                     inside = array_of(one.path, complete)
                     own = at(complete, inside)
                     lay(document, inside, list(own) if isinstance(own, tuple) else own)
@@ -69,7 +69,7 @@ class Sampler:
 
     @property
     def parameters(self) -> set[str]:
-        """Names of the firmware's parameters that are drawn, of some boat or of all."""
+        """Names of the firmware parameters that are drawn for some or all boats."""
         return {path[-1] for path in self._varied if path[-2:-1] == ("parameters",)}
 
     def seed_of(self, run: int) -> int:
@@ -81,7 +81,7 @@ class Sampler:
         return {".".join(path): value for path, value in self._drawn(run).items()}
 
     def scenario(self, run: int) -> Scenario:
-        """The scenario of run `run`; ScenarioError, which names the run, where it cannot be."""
+        """The scenario of run `run`; ScenarioError, which names the run, if it is invalid."""
         document = copy.deepcopy(self._source.document)
         document["seed"] = self.seed_of(run)
         for path, value in self._drawn(run).items():
@@ -103,7 +103,7 @@ class Sampler:
         raise ScenarioError(f"run {run}: no start in {_ATTEMPTS} draws is {least_m} m apart")
 
     def _wide_enough(self, drawn: Mapping[KeyPath, Value]) -> bool:
-        """Whether boats start as far apart as the scenario says."""
+        """Whether boats start as far apart as the scenario demands."""
         places = []
         for number, boat in enumerate(self.nominal.boat, start=1):
             own = [drawn.get(("boat", str(number), "eta", str(i + 1)), boat.eta[i]) for i in (0, 1)]

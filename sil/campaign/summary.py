@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a campaign comes to, in a few figures, and what it took."""
+"""Summarizes a campaign in a few figures, and its computing effort."""
 
 import platform
 from collections import Counter
@@ -20,12 +20,12 @@ from sil.scenario.scenario import Scenario
 from sil.view.history import boats_of
 
 _NAMED = 10
-"""So many runs are told by number."""
+"""Greatest number of runs that are listed by number."""
 
 
 @dataclass
 class Effort:
-    """What was sailed since the command was given, and what it took; `cores` that could sail."""
+    """The runs sailed since the command began, and their effort; `cores`: the cores available."""
 
     cores: int = 1
     runs: int = 0
@@ -41,12 +41,12 @@ class Effort:
 def figures(
     nominal: Scenario, runs: Sequence[RunResult], effort: Effort, digest: str
 ) -> dict[str, Any]:
-    """What campaign.json says beyond what was sailed.
+    """The figures of campaign.json, in addition to the campaign's identity.
 
-    `error` are each boat's median and 95th percentile of |e|, m, over the `runs` that sailed and
-    their whole seconds from `from_s` on; infinite where so many diverged. `closest` is the least
-    distance of two boats of a run, None where no run has two; `settled_runs` counts those in which
-    every boat came within 0.05 m of its slot and stayed there.
+    `error`: each boat's median and 95th percentile of |e|, m, over the `runs` that sailed and their
+    whole seconds from `from_s` on; infinite if too many diverged. `closest`: the least distance of
+    two boats of a run, None if no run has two. `settled_runs`: the number of runs in which every
+    boat came within 0.05 m of its slot and stayed there.
     """
     boat_s = effort.runs * len(nominal.boat) * nominal.duration_s
     counted = Counter(run.outcome for run in runs)
@@ -107,7 +107,7 @@ def _ended(nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]
 def show(
     console: Console, nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]
 ) -> None:
-    """Print `figures`, and which runs diverged or failed."""
+    """Print `figures` and the runs that diverged or failed."""
     error, failed = told["error"], told["outcomes"]["failed"]
     of = f"{error['runs']} of {len(runs)} runs; {failed} failed are not in it"
     whose = of if failed else f"{len(runs)} runs"

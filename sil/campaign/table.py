@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables of a campaign, from the results of its runs; the same whatever order they came in."""
+"""The tables of a campaign, from the results of its runs in any order."""
 
 import hashlib
 import json
@@ -29,7 +29,7 @@ _FIGURES = (
 
 
 def table(results: Sequence[RunResult], boats: int, states: Sequence[str]) -> pa.Table:
-    """A row a run and boat; figures are null where a run failed."""
+    """One row for each run and boat; figures are null if the run failed."""
     rows = []
     for result in results:
         of_run = {
@@ -66,7 +66,7 @@ def _schema(states: Sequence[str]) -> pa.Schema:
 
 
 def draws(sampler: Sampler, runs: int) -> pa.Table:
-    """What was drawn, a row a run and key: a number in `value`, or a word in `text`."""
+    """The draws, one row for each run and key: a number in `value`, or a word in `text`."""
     rows = []
     for run in range(runs):
         for key, drawn in sampler.draws(run).items():
@@ -79,7 +79,7 @@ def draws(sampler: Sampler, runs: int) -> pa.Table:
 
 
 def seconds(results: Sequence[RunResult]) -> pa.Table:
-    """A row a run, boat and second: distance from the slot, heading error; not of failed runs."""
+    """One row for each run that sailed, boat and second: distance from the slot, heading error."""
     sailed = [result for result in results if result.boats]
     shapes = [result.error_m.shape for result in sailed]
     grids = [np.indices(shape).reshape(2, -1) for shape in shapes]
@@ -103,10 +103,10 @@ def _joined(arrays: Sequence[Array]) -> Array:
 
 
 def envelopes(results: Sequence[RunResult]) -> pa.Table:
-    """Percentiles of the distance from the slot over the runs that sailed, a row a boat and second.
+    """Percentiles of the distance from the slot over the runs that sailed.
 
-    A percentile is the least distance that so many of the runs do not exceed, infinite for one
-    that diverged.
+    One row for each boat and second. A percentile is the least distance that this share of the runs
+    does not exceed; a diverged run's distance is infinite.
     """
     error = distances(results)
     n, boats, length = error.shape
@@ -128,7 +128,7 @@ def envelopes(results: Sequence[RunResult]) -> pa.Table:
 
 
 def content_digest(content: pa.Table) -> str:
-    """SHA-256 of what is in a table, whatever version of a library writes it."""
+    """SHA-256 of a table's content, independent of the library's version."""
     return hashlib.sha256(json.dumps(content.to_pydict()).encode()).hexdigest()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a `[[vary]]` draws: its numbers in the document, one by one, and what each had been."""
+"""Expands a `[[vary]]` into single numbers of the document, each with its value in the file."""
 
 import math
 import re
@@ -17,7 +17,7 @@ from sil.scenario.toml_errors import KeyPath
 
 Value = int | float | str
 
-# A campaign draws the seed itself; the others make up the shape of a run, which all share.
+# A campaign draws the seed itself; all runs share the other keys, which make up their shape.
 _FIXED = {"name", "base", "duration_s", "seed", "scalar", "rate_hz", "vary", "boat.*.follows"}
 
 _ELEMENT = re.compile("[1-9][0-9]{0,8}")
@@ -25,7 +25,7 @@ _ELEMENT = re.compile("[1-9][0-9]{0,8}")
 
 @dataclass(frozen=True)
 class Varied:
-    """One number that is drawn: its place, how, and what the file has there."""
+    """One number that is drawn: its place, its distribution, and its value in the file."""
 
     path: KeyPath
     vary: Vary
@@ -37,7 +37,7 @@ class Varied:
         return ".".join(self.path)
 
     def draw(self, rng: np.random.Generator) -> Value:
-        """What the key becomes."""
+        """Draw the new value of the key."""
         drawn: Value
         if self.vary.choice is not None:
             drawn = self.vary.choice[int(rng.integers(len(self.vary.choice)))]
@@ -48,13 +48,16 @@ class Varied:
             drawn = float(rng.uniform(*self.vary.uniform))
         if self.vary.combine == "set":
             return drawn
-        # numbers on both sides: Sampler has looked
+        # both are numbers: Sampler has checked
         combined: Value = self.own + drawn if self.vary.combine == "add" else self.own * drawn
         return combined
 
 
 def varied(vary: Vary, nominal: Scenario, complete: dict[str, Any]) -> Iterator[Varied]:
-    """What a `[[vary]]` draws, of the complete document of `nominal`; LookupError if it cannot."""
+    """The numbers that a `[[vary]]` draws; LookupError if it is invalid.
+
+    `complete`: the complete document of `nominal`.
+    """
     _need_numbers(vary)
     path = tuple(vary.key.split("."))
     every = ("boat", "*", *path[2:]) if path[0] == "boat" else path
@@ -82,7 +85,7 @@ def varied(vary: Vary, nominal: Scenario, complete: dict[str, Any]) -> Iterator[
 
 
 def _need_numbers(vary: Vary) -> None:
-    """LookupError where nothing can be drawn."""
+    """LookupError if a `[[vary]]` has no valid distribution."""
     ways = [vary.normal, vary.uniform, vary.choice]
     if sum(way is not None for way in ways) != 1:
         raise LookupError("must have one of normal, uniform, choice")
@@ -95,7 +98,7 @@ def _need_numbers(vary: Vary) -> None:
 
 
 def _need_common(name: str, vary: Vary, nominal: Scenario, complete: dict[str, Any]) -> None:
-    """LookupError where boats have their own of a firmware parameter that all are to have."""
+    """LookupError if a firmware parameter is varied for all boats, but boats have their own."""
     remedy = f'vary "boat.*.parameters.{name}"'
     for number, boat in enumerate(nominal.boat, start=1):
         if name in boat.parameters:
@@ -123,7 +126,7 @@ def complete_document(nominal: Scenario) -> dict[str, Any]:
 
 
 def at(document: Any, path: KeyPath) -> Any:
-    """The value at `path`; LookupError says what is there instead."""
+    """The value at `path`; LookupError names the missing key."""
     for i, name in enumerate(path):
         if isinstance(document, dict) and name in document:
             document = document[name]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Imported by the process that workers are forked from: they find the plant's kernels loaded."""
+"""Imported by the process from which workers are forked, so that the plant's kernels are loaded."""
 
 from sil.lockstep.world import sail
 from sil.scenario import scenario

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a worker does: sails a batch of runs; what is left of each are figures and samples."""
+"""The work of a worker: sails a batch of runs and returns their figures and samples."""
 
 import hashlib
 import importlib.metadata
@@ -19,9 +19,9 @@ from sil.lockstep.world import sail
 
 @dataclass(frozen=True)
 class Share:
-    """Runs of a campaign, by number, and what they are to be sailed with.
+    """Runs of a campaign, by number, with everything needed to sail them.
 
-    `code`: what `code()` is where the campaign was started, `parameters` those of `--param`.
+    `code`: the result of `code()` where the campaign was started; `parameters`: those of `--param`.
     """
 
     runs: tuple[int, ...]
@@ -48,7 +48,7 @@ class OtherCodeError(RuntimeError):
 
 @cache
 def code() -> str:
-    """SHA-256 of what figures depend on: this package, the native module, numpy."""
+    """SHA-256 of everything on which figures depend: this package, the native module, numpy."""
     digest = hashlib.sha256()
     for path in sorted(Path(sil.__file__ or "").parent.rglob("*.py")):
         digest.update(path.read_bytes())
@@ -58,9 +58,9 @@ def code() -> str:
 
 
 def sail_batch(batch: Share) -> ShareResult:
-    """Sail a batch; a run that fails leaves a result that says why.
+    """Sail a batch; a run that fails leaves a result with the reason.
 
-    Raises OtherCodeError where the figures would not be those of the campaign's other workers.
+    Raises OtherCodeError if the figures would differ from those of the campaign's other workers.
     """
     began_s = time.perf_counter()
     if batch.code != code():
@@ -81,7 +81,7 @@ def _results(batch: Share) -> list[RunResult]:
         outcomes = sail(scenarios, dict(batch.parameters))
         together = zip(batch.runs, scenarios, outcomes, strict=True)
         return [result_of(*each) for each in together]
-    except Exception as error:  # whatever it is, the other runs go on
+    except Exception as error:  # whatever fails, the other runs go on
         if len(batch.runs) == 1:
             return list(failed(batch, f"{type(error).__name__}: {error}").runs)
     return [result for single in batch.singles() for result in _results(single)]

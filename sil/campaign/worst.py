@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The worst run of a campaign, sailed again for its report and for tools/view to play back."""
+"""Sails the worst run of a campaign again, for its report and for `flotilla view`."""
 
 import json
 import tempfile
@@ -19,8 +19,8 @@ NAME = "worst.json"
 def write(out: Path, sampler: Sampler, parameters: dict[str, float]) -> bool:
     """Sail the worst run that did not diverge, write its history into the folder `out`.
 
-    `out` has the campaign's tables. False, and no file, where there is no such run, or it cannot be
-    sailed here as it was.
+    `out` has the campaign's tables. Returns False, and writes no file, if there is no such run or
+    it cannot be sailed here.
     """
     (out / NAME).unlink(missing_ok=True)
     campaign = finished.tables(out)
@@ -44,7 +44,7 @@ def write(out: Path, sampler: Sampler, parameters: dict[str, float]) -> bool:
 
 
 def read(out: Path) -> dict[str, Any] | None:
-    """The history in worst.json, None where `out` has none. ValueError where it is damaged."""
+    """The history in worst.json, None if there is no such file. ValueError if it is damaged."""
     path = out / NAME
     if not path.is_file():
         return None

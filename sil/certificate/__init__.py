@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The certificate of a scenario: what theory and linearised closed loop say before it is sailed.
+"""The certificate of a scenario: predictions of theory and of linearised closed loops.
 
-`motion` and `reference`: where the virtual leader goes; `small_gain` and `floquet`: the paper's
-formulas and its periodic system; `slots` and `thrust`: what each boat's slot asks of its
-propellers; `fleet`, `loop`, `monodromy`, `sampled`: the boats' sampled closed loops; `gains`,
-`search`, `noise`: their decay against the gains, and what these cost; `probe`, `chain`, `margins`,
-`agreement`: how deep a chain of boats may be; `certificate`: all of that
-together; `verdict`, `notes`, `report`, `report_search`, `picture`,
-`gain_picture`, `files`: the same for people.
+It is computed before the scenario is sailed. `motion` and `reference`: the motion of the virtual
+leader. `small_gain` and `floquet`: the paper's formulas and its periodic system. `slots` and
+`thrust`: the demands of each boat's slot on its propellers. `fleet`, `loop`, `monodromy`,
+`sampled`: the boats' sampled closed loops. `gains`, `search`, `noise`: their decay as a function of
+the gains, and the cost of higher gains. `probe`, `chain`, `margins`, `agreement`: the greatest
+depth of a chain of boats. `certificate`: all results together. `verdict`, `notes`, `report`,
+`report_search`, `picture`, `gain_picture`, `files`: their presentation.
 """

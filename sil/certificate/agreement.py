@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Certified depth of a chain beside the depth at which it breaks in simulation, for some delays.
+"""Compares the certified depth of a chain with the depth at which it breaks in simulation.
 
     python -m sil.certificate.agreement line20 --param LAW_REF=0 [--law paper] [--delay S]...
 
-Both ask the same of every boat: peak yaw rate and speed from 100 s on, RMS distance from the slot
-over the last third of the run. Exit status 1 where they differ by more than one boat.
+Both apply the same limits to every boat: peak yaw rate and speed from 100 s on, and RMS distance
+from the slot over the last third of the run. Exit status 1 if they differ by more than one boat, at
+any of several delays.
 """
 
 import argparse
@@ -31,7 +32,7 @@ _SETTLED_S, _KEEP_S = 100.0, 0.05
 
 @dataclass(frozen=True)
 class Depths:
-    """Depths to which all boats keep to the limits, at a radio delay."""
+    """Depths to which all boats keep the limits, at a radio delay."""
 
     delay_s: float
     certified: int
@@ -39,12 +40,12 @@ class Depths:
 
     @property
     def agree(self) -> bool:
-        """Within one boat."""
+        """Whether the depths differ by at most one boat."""
         return abs(self.certified - self.sailed) <= 1
 
 
 def compare(name: str, law: Law | None, parameters: dict[str, float], delay_s: float) -> Depths:
-    """Certify a scenario's longest chain and sail the scenario; behind its first reference."""
+    """Certify a scenario's longest chain behind its first reference, and sail the scenario."""
     chosen = scenario.load(name, [f"link.delay_s={delay_s}"], law)
     found = chain(chosen, references(chosen)[0], parameters, most=len(chosen.boat))
     (run,) = sail([chosen], parameters, keep_s=_KEEP_S)
@@ -69,7 +70,7 @@ def compare(name: str, law: Law | None, parameters: dict[str, float], delay_s: f
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Exit status: 0 they agree, 1 they do not."""
+    """Run the module's command line; exit status 0 if the depths agree, 1 if not."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The certificate of a scenario: all references, all boats, all tests, and the verdict.
 
-Boats that differ in nothing that counts are looked at once, and so are inputs of the leader that
-come again.
+Boats whose loops are equal are examined once, and so are repeated inputs of the leader.
 """
 
 from collections.abc import Callable
@@ -43,7 +42,7 @@ class Floquet:
 class Case:
     """Equal boats behind one reference, and their results.
 
-    `curve_*`: decay, 1/s, at `gains.CURVE_K_X`; empty behind a leader at rest.
+    `curve_*`: decay, 1/s, at `gains.CURVE_K_X`; empty if the leader is at rest.
     """
 
     boats: list[int]
@@ -60,10 +59,10 @@ class Case:
 
 @dataclass(frozen=True)
 class Leg:
-    """A reference, the times (s) from which it is sailed, and the boats behind it.
+    """A reference, the times (s) at which it begins, and the boats behind it.
 
-    `chain`: the longest line of boats that follow each other, or why its probes could not be
-    sailed; None where there is none, or the leader rests.
+    `chain`: the longest line of boats that follow each other, or the reason why its probes could
+    not be sailed; None if there is no such line, or if the leader is at rest.
     """
 
     reference: Reference
@@ -85,8 +84,8 @@ class Certificate:
 def certify(scenario: Scenario, overrides: dict[str, float], progress: Progress) -> Certificate:
     """Examine a scenario; `overrides` go to every boat's firmware.
 
-    `progress` is told what is being done and the share of it that is done. ValueError for a
-    parameter that the firmware refuses, or a leader without steady regime.
+    `progress` is called with the current task and its completed share. ValueError for a parameter
+    that the firmware refuses, or for a leader without a steady regime.
     """
     firmware = parameters(scenario, overrides)
     legs: list[Leg] = []
@@ -121,7 +120,7 @@ def _chain(
 
 
 def _different(found: list[Reference], north_counts: bool) -> list[tuple[Reference, list[float]]]:
-    """Each reference once, with the times from which it is sailed."""
+    """Each reference once, with the times at which it begins."""
     groups: list[tuple[Reference, list[float]]] = []
     for reference in found:
         for other, from_s in groups:

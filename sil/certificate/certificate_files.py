@@ -28,7 +28,7 @@ _LAW = ("LAW_", "VES_", "THR_", "FORM_FRAME")
 
 
 def check(folder: Path, also: Path | None) -> None:
-    """Check that `write` can write there, leaving no file; OSError names the path given."""
+    """Check that `write` can write to the paths, leaving no file; OSError names the path given."""
     _check_folder(folder, folder)
     if also is not None:
         if also.is_dir():
@@ -43,7 +43,7 @@ def _check_folder(folder: Path, told: Path) -> None:
 
 
 def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
-    """Write page, JSON and pictures into a folder, which is made, the JSON also to `also`.
+    """Write page, JSON and pictures into a folder, which is created; write the JSON also to `also`.
 
     OSError names the path given.
     """
@@ -153,7 +153,7 @@ def _case(case: Case) -> dict[str, Any]:
 
 @contextmanager
 def _naming(path: Path) -> Iterator[None]:
-    """Makes errors about temporary files name `path` instead."""
+    """Make errors about temporary files name `path` instead."""
     try:
         yield
     except OSError as error:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The certificate for people: the verdict, then tables for a terminal of 80 columns.
+"""The certificate as text: the verdict, then tables for a terminal of 80 columns.
 
-Numbers in brackets are those of Wang and Loría's equations.
+Numbers in brackets refer to Wang and Loría's equations.
 """
 
 import math
@@ -29,7 +29,7 @@ _KINDS = {
 
 
 def tell(certificate: Certificate, console: Console) -> None:
-    """Print everything, the verdict first."""
+    """Print the whole certificate, the verdict first."""
     colour = "green" if verdict.holds(certificate) else "red"
     console.print(f"[bold {colour}]{verdict.sentence(certificate)}")
     for leg in certificate.legs:
@@ -58,11 +58,11 @@ def _reference_table(leg: Leg) -> Table:
 
 
 def period(reference: Reference) -> str:
-    """T of eq:PE, or why there is none."""
+    """T of eq:PE, or the reason why there is none."""
     if reference.T_s is None:
         return "none: nothing turns"
     if reference.kind == "turning":
-        return "any; taken short, which the formulas like best"
+        return "any; a short one, which suits the formulas best"
     return f"{reference.T_s:.3f} s, the period of the input"
 
 
@@ -144,8 +144,8 @@ def _chain_table(chain: Chain, margins: Margins) -> Table:
             f"{last.yaw_rate:.2g} rad/s, {last.speed:.2g} m/s, {last.off_slot_m:.2g} m",
         ),
         ("certified to depth (FORM_DEPTH)", depth),
-        ("more radio delay that it bears (s)", f"{margins.delay_s:.2f}"),
-        ("hull off the model that it bears (%)", f"{100.0 * margins.mismatch:.0f}"),
+        ("margin of radio delay (s)", f"{margins.delay_s:.2f}"),
+        ("margin of mass and damping (%)", f"{100.0 * margins.mismatch:.0f}"),
     ]
     return _filled(_table(f"The longest chain: {len(chain.path)} boats"), rows)
 
@@ -168,7 +168,7 @@ def _filled(table: Table, rows: Iterable[tuple[str, str]]) -> Table:
 
 
 def _multiplier(value: complex) -> str:
-    # what is smaller is the integrator's tolerance
+    # smaller values are the integrator's tolerance
     return f"{abs(value):.3g}" if abs(value) > 1e-9 else "< 1e-9"
 
 

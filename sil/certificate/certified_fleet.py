@@ -19,14 +19,14 @@ _ALIKE = 1e-4  # rad, m/s, rad/s
 
 
 def parameters(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
-    """All parameters of every boat, gains derived; ValueError for one that it refuses."""
+    """All parameters of every boat, gains derived; ValueError if the firmware refuses one."""
     return [flotilla.derived(own) for own in parameters_of(scenario, overrides)]
 
 
 def vessel_of(own: Mapping[str, float], speed_mps: float) -> HullParameters:
-    """The vessel model of a firmware with these parameters, its D(u) that of a speed.
+    """The vessel model of a firmware with these parameters, with D(u) at the given speed.
 
-    PD+ leaves D(u) as the damping of the errors (`core/pd_plus.hpp`), as the paper has its D.
+    PD+ keeps D(u) as the damping of the errors (`core/pd_plus.hpp`), as D in the paper.
     """
     d11 = own["VES_D11"] + own["VES_D11Q"] * speed_mps
     d33 = own["VES_D33"] + own["VES_D33U"] * speed_mps
@@ -37,9 +37,9 @@ def vessel_of(own: Mapping[str, float], speed_mps: float) -> HullParameters:
 def fleet(
     scenario: Scenario, reference: Reference, firmware: list[dict[str, float]]
 ) -> list[tuple[list[int], SlotMotion, Boat]]:
-    """Boats (their numbers) whose loops are alike, slot and loop of the first of them.
+    """Numbers of boats with equal loops; slot and loop of the first of them.
 
-    `firmware`: from `parameters`. Each boat's leader moves as that one's own slot wants it.
+    `firmware`: from `parameters`. Each boat's leader moves as its own slot requires.
     """
     motions = [reference.motion]
     hulls, pairs = hulls_of(scenario), scenario.propeller_pairs()
@@ -66,7 +66,7 @@ def _turns(own: Mapping[str, float]) -> bool:
 
 
 def _same_loop(a: Boat, b: Boat) -> bool:
-    # a slot that does not turn is a shift, which no loop feels
+    # a slot that does not turn is a mere shift, which no loop notices
     places = () if _turns(a.parameters) else ("FORM_OFS_N", "FORM_OFS_E")
     passed = {*_NOT_OF_THE_LOOP, *places}
     own, other = (

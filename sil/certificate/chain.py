@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""How deep a chain of boats may be: gains from boat to boat, and what they make of noise and turns.
+"""Finds the greatest depth of a chain of boats from its gains, its noise and its turns.
 
-`probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of the one behind
-it, T_n(jω) from the root's velocity to that of boat n, and the slot errors that go with them; yaw
-and surge apart. Where every boat steers by the formation's reference (LAW_REF) all depths are
-sailed. Where one does not, boat n moves as the boat before it times G, and by its own noise:
+`probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of its follower,
+T_n(jω) from the root's velocity to that of boat n, and the corresponding slot errors; yaw and surge
+separately. If every boat steers by the formation's reference (LAW_REF), all depths are sailed. If
+one does not, boat n moves as boat n − 1 times G, plus its own noise:
 
     T_n = T_3 G^(n−3)      P_n = |G|² P_{n−1} + W      W = P_3 − |G|² P_2
     det_n(t): the lines of the leader's manoeuvre times T_n      peak_n = max |det_n| + 3.5 √(∫ P_n)
 
-P_n are power spectra of what noise and weather do behind a leader that goes straight. A depth is
-certified where no boat up to it is expected to turn faster than LAW_R_MAX, to be faster than
-LAW_U_MAX, or to be more than 0.2 m RMS off its slot: that is where a chain leaves the small
-motions that gains are about. Where the law has no such limit the firmware's default counts. The
-hop is that between the second boat and the third, which are both told by boats: G = T_3 / T_2, of
-the motion that a boat makes by its own thrust as it follows. With the reference the hop is that of
-boat 2 being pushed off its way: boat 3 takes it over only by trust and slow correction.
+P_n are the power spectra of the motion that noise and weather cause behind a leader on a straight
+course. A depth is certified if no boat up to it is expected to turn faster than LAW_R_MAX, to be
+faster than LAW_U_MAX, or to be more than 0.2 m RMS off its slot: beyond these limits a chain leaves
+the small motions for which gains are valid. If the law has no such limit, the firmware's default
+counts. The hop is the one from boat 2 to boat 3, which both follow boats: G = T_3 / T_2, for the
+motion that a boat makes by its own thrust as it follows. With the reference, boat 2 is instead
+pushed off its way for the hop: boat 3 then follows only by trust and slow correction.
+
 Source of the question: Swaroop and Hedrick 1996, Seiler, Pant and Hedrick 2004.
 """
 
@@ -42,10 +43,10 @@ from sil.plant.hull import Array
 from sil.scenario.agents import parameters_of
 from sil.scenario.scenario import Scenario
 
-MOST_DEPTH = 20  # no deeper chain is looked at, unless the scenario's is
+MOST_DEPTH = 20  # no deeper chain is examined, unless the scenario's is deeper
 OFF_SLOT_M = 0.2
-_SAILED = 3  # boats of a chain in which each follows the one before
-_CREST = 3.5  # of noise: the peak of some hundred half waves
+_SAILED = 3  # boats sailed if each follows the one before
+_CREST = 3.5  # crest factor of noise: the peak of some hundred half waves
 _OF_PLACE = ("MAV_SYSID", "FORM_LEADER", "FORM_OFS_N", "FORM_OFS_E")
 
 
@@ -58,7 +59,7 @@ class Limits:
     off_slot_m: float
 
     def holds(self, depth: "Depth") -> bool:
-        """Whether a boat at some depth keeps the limits."""
+        """Whether a boat keeps the limits."""
         return (
             depth.yaw_rate <= self.yaw_rate
             and depth.speed <= self.speed
@@ -88,8 +89,9 @@ class Gains:
 class Chain:
     """The longest chain of a scenario behind one reference.
 
-    `path`: its boats; `reference`: all of them steer by that of the formation; `depths`: from the
-    first boat on; `certified`: how many of them, the first ones, keep to `limits`.
+    `path`: its boats; `reference`: whether all of them steer by the formation's reference;
+    `depths`: from the first boat on; `certified`: the number of depths, from the first on, that
+    keep `limits`.
     """
 
     path: list[int]
@@ -101,13 +103,13 @@ class Chain:
 
     @property
     def certified(self) -> int:
-        """The depth to which every boat keeps to the limits."""
+        """The depth to which every boat keeps the limits."""
         held = [self.limits.holds(depth) for depth in self.depths]
         return held.index(False) if False in held else len(held)
 
     @property
     def holds(self) -> bool:
-        """Whether the scenario's own chain does."""
+        """Whether the scenario's own chain keeps the limits."""
         return self.certified >= len(self.path)
 
 
@@ -119,9 +121,10 @@ def chain(
     most: int = 0,
     scale: tuple[float, float] = (1.0, 1.0),
 ) -> Chain:
-    """Sail the probes of a scenario's longest chain and say how deep it may be.
+    """Sail the probes of a scenario's longest chain and find its greatest depth.
 
-    `most` depths, by default MOST_DEPTH or the scenario's; `scale` as in `probe.chain_of`.
+    `most`: number of depths, by default MOST_DEPTH or the scenario's; `scale` as in
+    `probe.chain_of`.
     """
     path = probes.deepest(scenario)
     every = parameters_of(scenario, overrides)
@@ -143,7 +146,7 @@ def chain(
 
 
 def too_deep(chain: Chain) -> str:
-    """From which boat on a chain cannot hold, and why."""
+    """A sentence: the first boat that cannot hold, and the reason."""
     first = chain.path[chain.certified]
     at, limits = chain.depths[chain.certified], chain.limits
     why = f"{at.off_slot_m:.2g} m off its slot, over {limits.off_slot_m:.2g} m"
@@ -160,7 +163,7 @@ def too_deep(chain: Chain) -> str:
 def _limits(
     along: list[dict[str, float]], defaults: Mapping[str, float], sailed: "_Sailed"
 ) -> Limits:
-    """The law's; what the root itself asks for is no fault of a chain."""
+    """The law's limits, raised where the root's own motion alone demands more."""
     first = sailed.depths(1)[0]
     yaw_rate, speed = (
         min(own[name] or defaults[name] for own in along) for name in ("LAW_R_MAX", "LAW_U_MAX")
@@ -175,7 +178,7 @@ def _limits(
 def _distinct(
     scenario: Scenario, path: list[int], along: list[dict[str, float]]
 ) -> list[list[int]]:
-    """Parts of three boats of a path, each kind once."""
+    """Sections of three boats of a path, each kind once."""
     vessels, pairs = scenario.vessels(), scenario.propeller_pairs()
     kinds: dict[Any, list[int]] = {}
     for begin in range(max(1, len(path) - _SAILED + 1)):
@@ -194,12 +197,12 @@ def _distinct(
 
 
 class _Sailed:
-    """What the probes of one chain say of all depths."""
+    """Conclusions for all depths from the probes of one chain."""
 
     def __init__(self, probe: Probe, reference: Reference, whole: bool) -> None:
         self.axes = [_Axis(probe, reference, axis, whole) for axis in (YAW, SURGE)]
         boats = probe.manoeuvre[1].shape[1]
-        # errors that are there without a wave from ahead: of noise, and of the manoeuvre
+        # errors without a wave from ahead: those of noise and of the manoeuvre
         noise = [_mean_square(e) for _, e in probe.noisy]
         self._off = np.mean(noise, axis=0)
         self._manoeuvre_off = _mean_square(probe.manoeuvre[1])
@@ -233,7 +236,7 @@ class _Axis:
         self._spectra, self._grid = _spectra(probe, axis)
 
     def gains(self, count: int) -> Gains:
-        """Magnitudes, to `count` depths."""
+        """Magnitudes of the gains for `count` depths."""
         root = [np.abs(self._root(n)).tolist() for n in range(1, count + 1)]
         return Gains(self._omega.tolist(), np.abs(self.hop).tolist(), root)
 
@@ -256,7 +259,7 @@ class _Axis:
         return float(np.sqrt(self._power(n).sum()))
 
     def _power(self, n: int) -> Array:
-        """P_n."""
+        """The power spectrum P_n."""
         if n <= self._boats:
             return np.asarray(self._spectra[n])
         gain = np.abs(_between(self._grid, self._omega, self.hop)) ** 2
@@ -267,7 +270,7 @@ class _Axis:
         return power
 
     def more_error(self, n: int) -> float:
-        """Mean square error of the boat at depth n + 1 beyond that of the last sailed one, m²."""
+        """Mean square error, m², of the boat at depth n + 1 in excess of the last sailed boat's."""
         if n < self._boats:
             return 0.0
         off = np.abs(_between(self._grid, self._omega, self._off)) ** 2
@@ -297,7 +300,7 @@ class _Lines:
         period_s = reference.T_s if reference.kind == "periodic" and reference.T_s else WINDOW_S
         count = int(frequencies(axis)[-1] * period_s / (2.0 * np.pi)) + 1
         if reference.kind != "periodic":
-            count = 1  # it is constant
+            count = 1  # the manoeuvre is constant
         omega: Array = 2.0 * np.pi / period_s * np.arange(count, dtype=np.float64)
         waves = np.exp(1j * np.outer(probe.t_s, omega))
         basis = np.hstack([waves.real, -waves.imag[:, 1:]])
@@ -314,7 +317,7 @@ class _Lines:
 
 
 def _spectra(probe: Probe, axis: int) -> tuple[Array, Array]:
-    """Power (agents, K) of the noisy runs' velocities about their means, by frequency (K)."""
+    """Power (agents, K) of the noisy runs' velocities about their means; frequencies (K)."""
     window = np.hanning(probe.t_s.size)
     total: Array | float = 0.0
     for nu, _ in probe.noisy:
@@ -327,7 +330,7 @@ def _spectra(probe: Probe, axis: int) -> tuple[Array, Array]:
 
 
 def _between(omega: Array, known: Array, gain: Complex) -> Complex:
-    """A gain that is known at some frequencies at others: 1 at none, the last beyond the last."""
+    """A gain interpolated to other frequencies: 1 at zero, beyond the last one the last gain."""
     at = np.append(0.0, known)
     size = np.append(1.0, np.abs(gain))
     phase = np.append(0.0, np.unwrap(np.angle(gain)))

@@ -4,8 +4,8 @@
  ė_x = −k_x e_x + ω_d e_y      ė_y = −ω_d e_x + v̄_y
  v̄̇_y = −(d22/m22) v̄_y + (m11/m22) k_x ω_d e_x
 
-Source: Wang and Loría, eq:26. The multipliers are the eigenvalues of the solution over one period;
-e_ψ and ν − ν*, which decay by themselves there, have no part in it.
+Source: Wang and Loría, eq:26. The multipliers are the eigenvalues of the solution over one period.
+e_ψ and ν − ν* decay independently in that equation, and are left out.
 """
 
 from collections.abc import Sequence
@@ -46,11 +46,11 @@ def multipliers(vessel: HullParameters, reference: Reference, k_x: Sequence[floa
 
 
 def decay_rates(reference: Reference, values: Multipliers) -> Array:
-    """Decay (K), 1/s, of the slowest mode of multipliers (K, 3); negative: it grows."""
+    """Decay (K), 1/s, of the slowest mode of multipliers (K, 3); negative for growth."""
     largest = np.maximum(np.abs(values).max(axis=1), 1e-300)
     return np.asarray(-np.log(largest) / period_s(reference))
 
 
 def period_s(reference: Reference) -> float:
-    """Period of ω_d; a second where it is constant."""
+    """Period of ω_d, s; 1 s if ω_d is constant."""
     return reference.T_s if reference.kind == "periodic" and reference.T_s else 1.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The picture of a chain: gains over frequency, of one hop and from the root to boats."""
+"""The picture of a chain: gains over frequency, for one hop and from the root to the boats."""
 
 from collections.abc import Sequence
 
@@ -21,7 +21,7 @@ _GAINS = (0.1, 1.0, 10.0, 100.0)
 
 
 def gains(name: str, legs: Sequence[Leg]) -> Figure | None:
-    """Gains in yaw and in surge behind each leader that moves; None where there is no chain."""
+    """Gains in yaw and surge behind each leader that moves; None if there is no chain."""
     shown = [(leg, leg.chain) for leg in legs if isinstance(leg.chain, Chain)]
     if not shown:
         return None

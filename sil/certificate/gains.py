@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Decay of the sampled loops against the gains: along k_x, and the fastest that a search finds.
+"""Decay of the sampled loops as a function of the gains: along k_x, and its maximum by a search.
 
-The search is coarse: a grid, then steps that are halved around its best point. Each point is the
-slowest of all boats behind all references that move, by `sampled.quick_decay`, with the estimates
-of current and unknown forces off, whose modes these gains hardly move; with them at work it must
-not be unstable. Only small deviations in calm water count: saturation and far starts are for the
-simulation to show; of noise it is told how much more of it such gains hand on.
+The search is coarse: a grid, then steps that are halved around its best point. The value of a point
+is the slowest decay of all boats behind all references that move, by `sampled.quick_decay`. There
+the estimates of current and unknown forces are off, because these gains hardly affect their modes;
+with the estimates on, the point must not be unstable. Only small deviations in calm water count;
+the simulation shows saturation and distant starts. The result also tells how much more noise these
+gains pass to the propellers.
 """
 
 import itertools
@@ -26,7 +27,7 @@ _REFINEMENTS = 4
 
 
 def curve(boat: Boat, points: Points, tell: Tell) -> list[tuple[float, float]]:
-    """Decay and that of the law alone, 1/s, at each `CURVE_K_X`; the other gains as they are."""
+    """Decay and decay of the law alone, 1/s, at each `CURVE_K_X`; other gains unchanged."""
     found = []
     for k, k_x in enumerate(CURVE_K_X, start=1):
         found.append(quick_decay(boat.with_parameters({"LAW_KX": k_x}), points))
@@ -35,7 +36,7 @@ def curve(boat: Boat, points: Points, tell: Tell) -> list[tuple[float, float]]:
 
 
 def fastest(boats: Sequence[tuple[Boat, Points]], tell: Tell) -> Search:
-    """Search k_x, k_ψ and, where the boats have one, the look-ahead."""
+    """Search k_x, k_ψ and, if the boats have one, the look-ahead."""
     names = ["LAW_KX", "LAW_KPSI"]
     if all(boat.parameters.get("LAW_XT_DIST", 0.0) > 0.0 for boat, _ in boats):
         names.append("LAW_XT_DIST")
@@ -43,7 +44,7 @@ def fastest(boats: Sequence[tuple[Boat, Points]], tell: Tell) -> Search:
     axes = search.axes()
     points = list(itertools.product(*axes))
     steps = np.array([axis[1] - axis[0] for axis in axes])
-    # neighbours are twice as many as gains, and each refinement may walk one step
+    # there are two neighbours for each gain, and each refinement may move one step
     total = len(points) + _REFINEMENTS * 4 * len(names)
     for point in points:
         search.try_out(point)

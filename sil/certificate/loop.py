@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """The sampled closed loop of one boat, in several copies: the firmware's law on the simulated hull.
 
-At each tick the navigation unit, when it is its turn, gives the firmware the true state; the
-firmware's own estimator and law (`flotilla.Helm`, double precision, without bytes) answer with two
-thrusts, which hold until the next tick behind the propellers' curve and lag. The leader moves along
-a given path and the boat learns of it without delay. Left out: rounding on the wires, THR_DEAD,
-THR_SLEW, noise, waves.
+At each tick the navigation unit, if it is due, gives the firmware the true state. The firmware's
+own estimator and law (`flotilla.Helm`, double precision, without bytes) answer with two thrusts,
+which hold until the next tick and pass through the propellers' curve and lag. The leader moves
+along a given path, and the boat receives its motion without delay. Rounding on the wires, THR_DEAD,
+THR_SLEW, noise and waves are left out.
 """
 
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ from sil.plant import hull, propeller
 from sil.plant.hull import Array, HullParameters
 from sil.plant.propeller import PropellerParameters
 
-# of the state: pose, velocity, thrusts; what the firmware remembers follows
+# leading components of the state: pose, velocity, thrusts; the firmware's memory follows
 BODY = 8
-# the state's components in their order: the body's, then what `flotilla.Helm` remembers
+# the state's components in order: the body's, then the memory of `flotilla.Helm`
 COMPONENTS = (
     *("x", "y", "psi", "u", "v", "r", "thrust port", "thrust stbd"),
     *("x known", "y known", "psi known", "u known", "v known", "r known"),
@@ -38,7 +38,8 @@ COMPONENTS = (
 class Boat:
     """Everything on which a boat's loop depends; `parameters`: the firmware's.
 
-    `current` (2), m/s, north and east; `slot`: its own motion on its slot; `rate_hz` of the ticks.
+    `current` (2): m/s, north and east; `slot`: the boat's own motion on its slot; `rate_hz`: rate
+    of the ticks.
     """
 
     hull: HullParameters
@@ -57,7 +58,7 @@ class Boat:
 
     @property
     def cycle(self) -> int:
-        """Ticks after which the fixes fall on the same ticks again."""
+        """Number of ticks after which the pattern of fixes repeats."""
         return Fraction(self.rate_hz / self.navigation_hz).limit_denominator(100).numerator
 
     @cached_property
@@ -65,17 +66,17 @@ class Boat:
         return Fraction(self.navigation_hz / self.rate_hz).limit_denominator(100)
 
     def fix_due(self, tick: int) -> bool:
-        """Whether a fix comes at a tick."""
+        """Whether a fix arrives at a tick."""
         fixes, ticks = self._fixes_per_tick.as_integer_ratio()
         return tick * fixes // ticks != (tick - 1) * fixes // ticks
 
     def with_parameters(self, changed: Mapping[str, float]) -> "Boat":
-        """The same boat with other parameters of its firmware."""
+        """The same boat with changed firmware parameters."""
         return replace(self, parameters={**self.parameters, **changed})
 
 
 class Loop:
-    """Copies of a boat, started on its slot at a tick; `state` (copies, n) says all of them.
+    """Copies of a boat, started on its slot at a tick; `state` (copies, n) is their whole state.
 
     A row: [x y ψ], [u v r], thrusts port and starboard, then `flotilla.Helm`'s state: `COMPONENTS`.
     """
@@ -108,20 +109,20 @@ class Loop:
 
     @property
     def state(self) -> Array:
-        """The state now, before the tick."""
+        """The current state, before the tick."""
         remembered = np.empty((len(self.eta), len(COMPONENTS) - BODY))
         self._helms.state(remembered)
         return np.hstack([self.eta, self.nu, self.thrust, remembered])
 
     def resume(self, tick: int, state: Array) -> None:
-        """Go on from `state` (copies, n) at a tick."""
+        """Continue from `state` (copies, n) at a tick."""
         self.tick = tick
         self.eta[:], self.nu[:], self.thrust[:] = state[:, :3], state[:, 3:6], state[:, 6:BODY]
         self._helms.set_state(np.ascontiguousarray(state[:, BODY:]))
         self._fresh = False
 
     def step(self, leader: Array) -> None:
-        """One tick; `leader` (9): its pose, velocity and the rates of that, now."""
+        """Advance by one tick; `leader` (9): its current pose, velocity and their rates."""
         boat = self.boat
         if self._fresh or boat.fix_due(self.tick):
             self._helms.fix(self.eta, self.nu, 0.0, 0.0 if self._fresh else 1 / boat.navigation_hz)
@@ -142,7 +143,7 @@ def leader_rows(leader: Motion, times_s: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Curve:
-    """The command with which the firmware asks for a thrust: the inverse of its THR_* curve."""
+    """The firmware's command for a thrust: the inverse of its THR_* curve."""
 
     forward_N: Array  # (2): port, starboard
     reverse_N: Array

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""How much more delay, and how wrong a hull, a scenario's chain of boats bears.
+"""The margins of a scenario's chain of boats: additional delay, and error of the hull.
 
-Both are found by halving, with the chain's probes sailed anew at each step. Hulls are wrong alike
-in all boats: masses and dampings by the same share, up or down, each of the four ways.
+Both are found by bisection; the chain's probes are sailed anew at each step. All boats have the
+same error: masses and dampings deviate by the same share, up or down, in each of the four
+combinations.
 """
 
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from sil.certificate.references import Reference
 from sil.lockstep.start import RunError
 from sil.scenario.scenario import Scenario
 
-STEPS = 5  # of halving
+STEPS = 5  # steps of bisection
 _MOST_DELAY_S, _MOST_SHARE = 1.0, 0.8
 
 
@@ -28,7 +29,7 @@ class Margins:
 def margins(
     scenario: Scenario, reference: Reference, overrides: dict[str, float], found: Chain
 ) -> Margins:
-    """The margins of a chain that was `found`; 0 for one that does not hold as it is."""
+    """The margins of the chain `found`; 0 if it does not hold even without changes."""
     if not found.holds or STEPS == 0:
         return Margins(0.0, 0.0)
     depth = len(found.path)
@@ -51,7 +52,7 @@ def margins(
 
 
 def _greatest(holds: Callable[[float], bool], most: float) -> float:
-    """The greatest of what was tried up to `most` that holds."""
+    """The greatest tried value up to `most` that holds."""
     if holds(most):
         return most
     low, high = 0.0, most

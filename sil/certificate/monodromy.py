@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The linearisation of a boat's sampled loop over the time after which its leader repeats itself.
 
-The map from one cycle of fixes to the next is differenced centrally in every component of the state
-at each of many instants, and the Jacobians are multiplied: Φ = ∏ A_k. What the state means by x and
-y moves on with the leader, by a shift and, after the window, whole turns; both leave Φ as it is.
-The leader's motion is given, so that no place is as good as another: only a state that nothing
-pulls back shows a multiplier of 1.
+The map from one cycle of fixes to the next is differentiated by central differences in every
+component of the state, at each of many instants, and the Jacobians are multiplied: Φ = ∏ A_k. The
+origin of x and y moves on with the leader, by a shift and, after the window, whole turns; neither
+changes Φ. Because the leader's motion is given, positions are not equivalent: a multiplier of 1
+appears only for a state without any restoring force.
 
-A propeller that stands still under small commands has no derivative where it begins to turn. Its
-thrust is T(c) + w: T the curve without the dead band, w = −T(c) for |c| < dead, else 0, so that
-|w| ≤ |T(dead)|. The Jacobians are those with T, about the regime that is sailed with w. Where
-their product's modes decay, w, which is bounded, moves the boat by a bounded amount only (a stable
-periodic linear system under a bounded input): that is in the regime's `error`.
+A propeller with a dead band has no derivative where it begins to turn. Its thrust is T(c) + w: T is
+the curve without the dead band, w = −T(c) for |c| < dead, else 0, so that |w| ≤ |T(dead)|. The
+Jacobians are those with T, about the regime that is sailed with w. If the modes of their product
+decay, the bounded w moves the boat only by a bounded amount (a stable periodic linear system under
+a bounded input), which is included in the regime's `error`.
 """
 
 from collections.abc import Container, Sequence
@@ -32,14 +32,14 @@ _REPEATS_M, _REPEATS = 1e-5, 1e-3
 _LOST_M = 50.0
 _IDLE = 1e-9
 _VISIBLE, _EVERY = 1e-6, 8
-NEAR_ONE = 1e-5  # as near as differences tell
+NEAR_ONE = 1e-5  # as near as finite differences can tell
 
 
 @dataclass(frozen=True)
 class Instants:
-    """Where the window is looked at: `ticks` (K), each stands for `cycles` (K) cycles of fixes.
+    """The instants of a window: `ticks` (K), each of which stands for `cycles` (K) cycles of fixes.
 
-    `begin`: the first tick of the window; `windows` of them are `length` ticks as good as exactly.
+    `begin`: the first tick of the window; `windows` windows take `length` ticks almost exactly.
     """
 
     begin: int
@@ -50,16 +50,19 @@ class Instants:
 
 
 def instants(boat: Boat, most: int, windows: int = _MOST_WINDOWS) -> Instants:
-    """At most `most` instants over as many windows, up to `windows`, as best are whole cycles."""
+    """At most `most` instants over up to `windows` windows.
+
+    The number of windows is the one whose length is nearest to whole cycles of fixes.
+    """
     window_ticks, cycle = boat.leader.window_s * boat.rate_hz, boat.cycle
     count = min(
         range(1, windows + 1),
-        # a millionth a window: of equally good ones the first
+        # a penalty of a millionth a window: of equally good numbers, take the first
         key=lambda n: abs(n * window_ticks / cycle - round(n * window_ticks / cycle)) + 1e-6 * n,
     )
     total = max(1, round(count * window_ticks / cycle))
     if len(boat.leader.nu_periodic.values) == 1:
-        most = 1  # any instant is like another
+        most = 1  # all instants are alike
     edges = np.unique(np.linspace(0, total, min(most, total) + 1).round().astype(np.int64))
     begin = cycle * round(boat.leader.begin_s * boat.rate_hz / cycle)
     middles = (edges[:-1] + edges[1:] - 1) // 2
@@ -77,10 +80,10 @@ class Points:
 
 @dataclass(frozen=True)
 class Regime:
-    """Where a boat that starts on its slot ends up; `points`: one for each `Instants` asked for.
+    """The regime that a boat reaches from its slot; `points`: one for each `Instants` requested.
 
-    `steady`: it repeats itself, and no propeller was at its limit; otherwise the points are those
-    of a boat just put on its slot. `error` (3): mean of |deviation| from the slot over the last
+    `steady`: the motion repeats itself, and no propeller was at its limit; otherwise the points are
+    those of a boat just put on its slot. `error` (3): mean |deviation| from the slot over the last
     window, m, m, rad; `limited`: a propeller was at its limit in that window.
     """
 
@@ -93,8 +96,8 @@ class Regime:
 def settle(boat: Boat, wanted: Sequence[Instants]) -> Regime:
     """Sail a boat from its slot until it repeats itself, for 30 to 3,600 s, and then its windows.
 
-    A mode that decays by σ is within 1e-3 of where it ends after 7/σ: the estimate of the current
-    has 0.01 1/s on a slow hull, which is 700 s.
+    A mode that decays by σ is within 1e-3 of its final value after 7/σ: the estimate of the current
+    has 0.01 1/s on a slow hull, hence 700 s.
     """
     loop, rate = Loop(boat, 1), boat.rate_hz
     lap = max(boat.cycle, round(boat.leader.window_s * rate / boat.cycle) * boat.cycle)
@@ -129,9 +132,9 @@ def on_slot(boat: Boat, where: Instants) -> Points:
 
 
 def jacobians(boat: Boat, points: Points) -> Array:
-    """Derivatives (K, n, n) of the state a cycle of fixes after the points (K) by that at them.
+    """Derivatives (K, n, n) of the state one cycle of fixes after each point by the state at it.
 
-    Without the propellers' dead band.
+    The propellers have no dead band here.
     """
     n = points.states.shape[1]
     smooth = replace(boat, propellers=replace(boat.propellers, dead=0.0))
@@ -150,9 +153,9 @@ def jacobians(boat: Boat, points: Points) -> Array:
 
 
 def products(factors: Array, cycles: npt.NDArray[np.int64]) -> tuple[Array, float]:
-    """Φ from the first instant to each later one and to the window's end (K, n, n).
+    """Φ from the first instant to each later one and to the window's end (K, n, n), scaled.
 
-    Each is scaled; times e to the second of the answers the last one is what it is.
+    The true last matrix is the last one returned, times e to the power of the second result.
     """
     powers, scales = np.empty_like(factors), np.empty(len(factors))
     for count in np.unique(cycles).tolist():
@@ -166,7 +169,7 @@ def products(factors: Array, cycles: npt.NDArray[np.int64]) -> tuple[Array, floa
 
 
 def _power(factors: Array, count: int) -> tuple[Array, Array]:
-    """Each of the factors (K, n, n) times itself, `count` of it, and logarithms of scales (K)."""
+    """The factors (K, n, n) to the power `count`, scaled; the logarithms of the scales (K)."""
     scale, more = np.zeros(len(factors)), np.zeros(len(factors))
     total = np.tile(np.eye(factors.shape[1]), (len(factors), 1, 1))
     while count:
@@ -178,27 +181,27 @@ def _power(factors: Array, count: int) -> tuple[Array, Array]:
 
 
 def _scaled(product: Array, scale: Array) -> tuple[Array, Array]:
-    """Matrices (..., n, n) divided by their sizes where these are extreme, and the new scales."""
+    """Matrices (..., n, n), divided by their sizes if these are extreme, and the new scales."""
     size = np.abs(product).max(axis=(-2, -1))
     size = np.where((size > 1e-50) & (size < 1e50), 1.0, size)
     return product / size[..., None, None], scale + np.log(size)
 
 
 def written(factors: Array) -> npt.NDArray[np.bool_]:
-    """Which components of the state (n) anything changes.
+    """Mask (n) of the components of the state that ever change.
 
-    An estimate whose bandwidth is 0 is part of the firmware's memory, but stays what it is: it is
-    no state that could be disturbed.
+    An estimate whose bandwidth is 0 belongs to the firmware's memory but is constant: it is not a
+    state that could be disturbed.
     """
     change: Array = np.abs(factors - np.eye(factors.shape[1])).max(axis=(0, 2))
     return change >= _IDLE
 
 
 def visible(values: Complex, vectors: Complex, partial: Array) -> npt.NDArray[np.bool_]:
-    """Which modes (n) of the whole product move the boat at any instant, and not only its memory.
+    """Mask (n) of the modes that move the boat at any instant, not only the firmware's memory.
 
-    Vectors that belong to one value may be any mixture: of those on 1, as many count as directions
-    are left of them in the boat's own motion.
+    Eigenvectors of a repeated eigenvalue may be any mixture: of those at 1, as many count as there
+    are independent directions in the boat's own motion.
     """
     motion = np.vstack([vectors[:BODY], *(Phi[:BODY] @ vectors for Phi in partial[:-1:_EVERY])])
     size: Array = np.abs(motion).max(axis=0)
@@ -211,7 +214,7 @@ def visible(values: Complex, vectors: Complex, partial: Array) -> npt.NDArray[np
 
 
 def _sail(loop: Loop, ticks: int, wanted: Container[int] = ()) -> tuple[Array, list[Array]]:
-    """Carry a loop on; mean |deviation| (3) of its first copy, its states at the ticks `wanted`."""
+    """Continue a loop; mean |deviation| (3) of its first copy, its states at the ticks `wanted`."""
     boat, count = loop.boat, range(loop.tick, loop.tick + ticks)
     times_s: Array = boat.h_s * np.array(count, dtype=np.float64)
     slot, rows = boat.slot.eta(times_s), leader_rows(boat.leader, times_s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Motions that repeat themselves but for a drift, as Fourier series: exact between their samples.
+"""Periodic motions with a drift, as Fourier series: exact between their samples.
 
 η = [x y ψ] north-east-down, ψ not wrapped (m, rad); ν = [u v r] over ground in body axes.
 """
@@ -14,14 +14,14 @@ from sil.plant.hull import Array
 
 Spectrum = npt.NDArray[np.complex128]
 
-_NOISE = 1e-13  # harmonics under this share of the largest sample are rounding
+_NOISE = 1e-13  # smaller harmonics, relative to the largest sample, are rounding errors
 
 
 @dataclass(frozen=True)
 class Series:
-    """k functions of period `window_s`, by their values (M, k) at M even times from `begin_s` on.
+    """k functions of period `window_s`, from their values (M, k) at M even times from `begin_s` on.
 
-    Between the samples they are the trigonometric polynomials through them.
+    Between samples, they are the trigonometric polynomials through the samples.
     """
 
     begin_s: float
@@ -55,9 +55,9 @@ class Series:
 
 @dataclass(frozen=True)
 class Motion:
-    """A vessel's motion over a window after which it begins anew, `drift` further on.
+    """A vessel's motion over a window, after which it repeats itself, shifted by `drift`.
 
-    `eta` less the drift so far, and `nu`, are periodic; `drift` (3): [m, m, rad] a window.
+    `nu`, and `eta` less the drift so far, are periodic; `drift` (3): [m, m, rad] per window.
     """
 
     eta_periodic: Series
@@ -66,12 +66,12 @@ class Motion:
 
     @property
     def window_s(self) -> float:
-        """Length of the window."""
+        """Length of the window, s."""
         return self.nu_periodic.window_s
 
     @property
     def begin_s(self) -> float:
-        """When the samples begin."""
+        """Time of the first sample, s."""
         return self.nu_periodic.begin_s
 
     @property
@@ -94,7 +94,7 @@ class Motion:
         return self.nu_periodic.at(t_s)
 
     def nu_dot(self, t_s: Array) -> Array:
-        """Rates of the three numbers of `nu` (T, 3)."""
+        """Rates of the three components of `nu` (T, 3)."""
         return self.nu_periodic.rate(t_s)
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""How much of the noise of its own fixes a boat hands on to its propellers at once.
+"""The noise of a boat's own fixes that passes directly to its propellers.
 
-|∂T/∂z| of the firmware's thrusts T by one fix z at the points of a regime, by central differences:
-what a higher gain costs that no decay shows. Limits of thrust and what the boat's motion brings
-back later are left out.
+|∂T/∂z| of the firmware's thrusts T by one fix z at the points of a regime, by central differences.
+This is the cost of a higher gain that no decay shows. Limits of thrust, and later feedback by the
+boat's motion, are left out.
 """
 
 import flotilla
@@ -13,7 +13,7 @@ from sil.certificate.loop import BODY, Boat, leader_rows
 from sil.certificate.monodromy import Points
 from sil.plant.hull import Array
 
-# of what the noise is, and the components of a fix that have it
+# the noisy quantities, and their components of a fix
 SOURCES = {"place": (0, 1), "heading": (2,), "velocity": (3, 4), "yaw rate": (5,)}
 
 _DELTA = 1e-5

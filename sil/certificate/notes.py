@@ -15,16 +15,16 @@ def notes(certificate: Certificate) -> list[str]:
     """The effects left out, and those that need not be covered."""
     scenario = certificate.scenario
     texts = [
-        "The small-gain test is sufficient only: not to pass it proves nothing. It and the nominal "
-        "loop (24) are about the paper's law; the sampled loop is that of the firmware, extensions "
-        "and all.",
-        "Links: no boat acts on its leader, so that a late, rare or lost message of a leader is in "
-        "no loop: it adds states of delay, no feedback, and moves no multiplier. How it amplifies "
-        "motions from boat to boat is in the gains of the chain, which are those of small motions "
-        "on a straight course. The own fixes' rate is in the loop.",
-        "The verdict is about small errors, and each boat's decay is that behind a leader without "
-        "error. Down a chain the modes repeat: the k-th boat's error may go as t^(k-1) e^(-σt), "
-        "so that its decay, at the same rate in the end, begins later.",
+        "The small-gain test is sufficient only: failing it proves nothing. It and the nominal "
+        "loop (24) concern the paper's law; the sampled loop is that of the firmware, extensions "
+        "included.",
+        "Links: no boat acts on its leader. So late, rare or lost messages of a leader are in "
+        "no loop: they add states of delay but no feedback, and change no multiplier. The gains of "
+        "the chain show how they amplify motions from boat to boat, for small motions on a "
+        "straight course. The rate of a boat's own fixes is in the loop.",
+        "The verdict concerns small errors, and each boat's decay is that behind a leader without "
+        "error. Along a chain the modes repeat: the k-th boat's error may follow t^(k-1) e^(-σt), "
+        "so its decay begins later, although its final rate is the same.",
     ]
     texts += _rehung(certificate)
     texts += _left_out(certificate)
@@ -40,16 +40,16 @@ def _rehung(certificate: Certificate) -> Iterable[str]:
         return
     covers = "every one" if found.after <= found.before else "not every one"
     text = (
-        f"When any one boat fails, its followers are hung on another, and the longest line then "
-        f"has {found.after} boats at the most, now {found.before}: this certificate covers "
+        f"When any one boat fails, its followers follow another, and the longest line then "
+        f"has at most {found.after} boats (now {found.before}): this certificate covers "
         f"{covers} of those trees"
     )
     decays = [case.sampled.decay for leg in certificate.legs for case in leg.cases]
     if found.step_m > SMALL_M and min(decays, default=0.0) > 0.0:
         after_s = math.log(found.step_m / SMALL_M) / min(decays)
         text += (
-            f". A new leader moves all slots by {found.step_m:.1f} m. At the rate at which small "
-            f"errors decay, {SMALL_M:g} m of it are left after {after_s:.0f} s; LAW_U_MAX makes "
+            f". A new leader moves all slots by {found.step_m:.1f} m. At the decay rate of small "
+            f"errors, {SMALL_M:g} m of it remain after {after_s:.0f} s; LAW_U_MAX makes "
             f"that later"
         )
     yield text + "."
@@ -60,7 +60,7 @@ def _left_out(certificate: Certificate) -> Iterable[str]:
     values = {name: sorted({own[name] for own in every} - {0.0}) for name in _NOT_LINEARISED}
     told = [f"{name} = {listed(of)}" for name, of in values.items() if of]
     if told:
-        yield f"{', '.join(told)}: not in the linearised loop, which is examined as if 0."
+        yield f"{', '.join(told)}: not in the linearised loop, where each counts as 0."
 
 
 def listed(values: Iterable[float]) -> str:

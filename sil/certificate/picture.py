@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The picture of a certificate: decay against k_x, one panel for each way the leader moves."""
+"""The picture of a certificate: decay over k_x, one panel for each motion of the leader."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ _TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
 
 
 def decay(name: str, legs: Sequence[Leg]) -> Figure:
-    """Decay of eq:26 and of the sampled loops over k_x, of the legs on which the leader moves."""
+    """Decay of eq:26 and of the sampled loops over k_x, for the legs on which the leader moves."""
     shown = [leg for leg in legs if leg.cases[0].curve_sampled]
     with matplotlib.rc_context(plots.STYLE):
         height_in = 0.9 + _PANEL_IN * max(1, len(shown))
@@ -68,7 +68,7 @@ def _draw(axes: Axes, leg: Leg) -> None:
 
 
 def _distinct(cases: Sequence[Case]) -> list[tuple[list[int], Case]]:
-    """Cases of which each stands for all boats whose lines would lie on its own."""
+    """Distinct cases: each stands for all boats whose lines would coincide with its own."""
     found: list[tuple[list[int], Case]] = []
     for case in cases:
         for boats, other in found:

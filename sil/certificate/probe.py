@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""Chains of boats that are sailed to see how small motions pass from boat to boat.
+"""Sails chains of boats to measure how small motions pass from boat to boat.
 
 The boats are whole firmwares in `flotilla.Fleet`: bytes, radio with its delay and loss, SR_STATE,
-clocks, predictor, reference, law, THR_SLEW. Everyone goes straight ahead at the leader's speed;
-one agent, the root or boat 2, is pushed by many small sinusoids in surge and in yaw at once, with
-random phases. All have whole periods in the window that is looked at, so that the Fourier
-components of the agents' motions at these frequencies are the gains, whatever else the sampling
-makes. Noise, wind, waves and mismatch are off then. Two more kinds of runs say what there is to be
-amplified: one behind the leader's own manoeuvre, also without noise, and some with all of the
-scenario's noise and weather behind a leader that goes straight.
+clocks, predictor, reference, law, THR_SLEW. All go straight ahead at the leader's speed. One agent,
+the root or boat 2, is pushed by many small sinusoids in surge and in yaw at once, with random
+phases. All sinusoids have whole periods in the window of observation, so that the Fourier
+components of the agents' motions at these frequencies are the gains, regardless of other effects of
+sampling. Noise, wind, waves and mismatch are off in these runs. Two more kinds of runs measure the
+motion to be amplified: one behind the leader's own manoeuvre, also without noise, and some with all
+of the scenario's noise and weather behind a leader that goes straight.
 """
 
 from collections.abc import Sequence
@@ -38,11 +38,11 @@ from sil.scenario.sections import (
 )
 
 WINDOW_S, SETTLING_S = 120.0, 60.0
-RUNS = 2  # of each kind
-# whole periods in the window: yaw has every other one of these, surge those between
+RUNS = 2  # number of runs of each kind
+# whole periods in the window: yaw has every second one, surge those between
 _PERIODS = np.unique(np.geomspace(2.0, 300.0, 44).round().astype(int))
 YAW, SURGE = 2, 0  # components of nu
-_SMALL = 0.004  # rad/s, m/s of each sinusoid; below 1 rad/s in proportion
+_SMALL = 0.004  # amplitude of each sinusoid, rad/s, m/s; below 1 rad/s in proportion
 PUSHED_BOAT, _RESISTED = 2, 6.0
 _KEEP_S = 0.05
 _SEED = 20
@@ -61,8 +61,8 @@ Complex = npt.NDArray[np.complex128]
 class Probe:
     """Motions of a chain's runs in the window: velocities (T, agents, 3) and errors (T, boats, 3).
 
-    `root` and `boat`: RUNS runs each in which that one is pushed; `manoeuvre`: one run; `noisy`:
-    RUNS.
+    `root` and `boat`: RUNS runs each, in which the root or the boat is pushed; `manoeuvre`: one
+    run; `noisy`: RUNS runs.
     """
 
     t_s: Array
@@ -73,9 +73,9 @@ class Probe:
 
 
 def gains(t_s: Array, runs: Sequence[Motions], axis: int, pushed: int) -> tuple[Complex, Complex]:
-    """Gains (agents, M) of velocity and (boats, M) of error, by the velocity of agent `pushed`.
+    """Gains of velocity (agents, M) and error (boats, M) by the velocity of agent `pushed`.
 
-    The error is e_y where that one yaws and e_x where it surges.
+    The error is e_y for yaw and e_x for surge.
     """
     basis = np.exp(-1j * np.outer(frequencies(axis), t_s))
     agents = runs[0][0].shape[1]
@@ -92,7 +92,7 @@ def gains(t_s: Array, runs: Sequence[Motions], axis: int, pushed: int) -> tuple[
 
 
 def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) -> Probe:
-    """Sail a chain (`chain_of`); RunError where its boats cannot."""
+    """Sail a chain (`chain_of`); RunError if its boats cannot sail."""
     straight = _behind(chain, Input(surge_N=reference.input.surge_N))
     calm = _calm(straight)
     scenarios = [
@@ -108,7 +108,7 @@ def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) ->
         t_s = run.trace["t_s"][inside]
         nu, error = run.trace["nu"][inside], run.trace["error"][inside]
         if not (np.isfinite(nu).all() and np.isfinite(error).all()):
-            raise RunError("the boats are lost on a straight course")
+            raise RunError("the boats diverge on a straight course")
         motions.append((nu, error))
     return Probe(
         t_s, motions[:RUNS], motions[RUNS : 2 * RUNS], motions[2 * RUNS], motions[2 * RUNS + 1 :]
@@ -125,7 +125,7 @@ def path_to(scenario: Scenario, agent: int) -> list[int]:
 
 
 def deepest(scenario: Scenario) -> list[int]:
-    """The longest path from the root to a boat; of several the first."""
+    """The longest path from the root to a boat; if there are several, the first."""
     paths = (path_to(scenario, agent) for agent in range(1, len(scenario.boat) + 1))
     return max(paths, key=len)
 
@@ -133,10 +133,9 @@ def deepest(scenario: Scenario) -> list[int]:
 def chain_of(
     scenario: Scenario, path: Sequence[int], depth: int, *, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Scenario:
-    """`depth` boats in a line: those of a path, and as many more like its last.
+    """`depth` boats in a line: those of a path, then as many copies of its last as needed.
 
-    `scale`: by how much the hulls' masses and dampings are greater than they were. Boats start on
-    their slots, at rest.
+    `scale`: factors of the hulls' masses and dampings. Boats start on their slots, at rest.
     """
     masses, dampings = scale
     agents = [path[min(k, len(path) - 1)] for k in range(depth)]
@@ -144,7 +143,7 @@ def chain_of(
     place, boats = np.zeros(2), []
     for k, agent in enumerate(agents):
         own = scenario.boat[agent - 1]
-        # a boat that is there again is not on the slot that it has behind the root
+        # a copied boat is not on the slot that the original has behind the root
         first_again = k > 0 and agent == path[0]
         offset_m = scenario.boat[path[1] - 1].offset_m if first_again else own.offset_m
         place = place + offset_m
@@ -203,7 +202,7 @@ class _Push:
         rng = np.random.default_rng(_SEED)
         h_s = 1e-6 * round(1e6 / chain.rate_hz)
         t_s = h_s * np.arange(round((SETTLING_S + WINDOW_S) / h_s) + 1)
-        # of each tick, run and component of nu
+        # by tick, run and component of nu
         self._forces = np.zeros((t_s.size, 2 * RUNS, 3))
         for axis, mass, damping in ((YAW, root.m33, root.d33), (SURGE, root.m11, root.d11)):
             omega = frequencies(axis)
@@ -211,7 +210,7 @@ class _Push:
             phase = rng.uniform(0.0, 2.0 * pi, (2 * RUNS, omega.size))
             for run in range(2 * RUNS):
                 waves = size * np.sin(t_s[:, None] * omega + phase[run])
-                # a boat's own law resists
+                # a boat's own law resists the push
                 share = 1.0 if run < RUNS else _RESISTED
                 self._forces[:, run, axis] = share * waves.sum(axis=1)
 

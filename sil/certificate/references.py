@@ -25,18 +25,18 @@ _STEP_S = 0.002
 _REPEATS = 1e-11
 _PATIENCE_S = 3000.0
 _STILL = 1e-9
-_SAMPLES = 256  # of a period, and of a circle
-_WINDOW_S = 1.0  # of a straight leg, of which any second is like another
-_PERIODS = 30  # of a window, at most, until the heading has come back
+_SAMPLES = 256  # samples of a period, and of a circle
+_WINDOW_S = 1.0  # window of a straight leg, all of whose seconds are alike
+_PERIODS = 30  # greatest number of periods in a window, until the heading has returned
 
 
 @dataclass(frozen=True)
 class Reference:
     """Agent 0 under one of its inputs.
 
-    `motion`: its steady regime. `T_s`, `mu`: of eq:PE, a period of the input; a step of 2 ms in a
-    constant turn, where any T will do; None and 0 where nothing excites; `omega_max`,
-    `omega_dot_max`: largest |ω_d|, |ω̇_d|, rad/s and rad/s².
+    `motion`: its steady regime. `T_s`, `mu`: T and μ of eq:PE. T is a period of the input, or a
+    step of 2 ms in a constant turn, where any T is valid; None and 0 without excitation.
+    `omega_max`, `omega_dot_max`: largest |ω_d|, |ω̇_d|, rad/s and rad/s².
     """
 
     input: Input
@@ -49,7 +49,7 @@ class Reference:
 
     @property
     def from_s(self) -> float:
-        """When it begins, after release."""
+        """Time after the release at which the reference begins, s."""
         return self.input.from_s
 
     @property
@@ -61,7 +61,7 @@ class Reference:
 def references(scenario: Scenario) -> list[Reference]:
     """A reference for every input of the virtual leader that lies within the scenario.
 
-    ValueError where a steady regime is not reached.
+    ValueError if a steady regime is not reached.
     """
     agent = _Agent(scenario)
     found = []
@@ -72,7 +72,7 @@ def references(scenario: Scenario) -> list[Reference]:
 
 
 def _segments(scenario: Scenario) -> Iterator[tuple[Input, float]]:
-    """Inputs, the idle one before the first among them, each with its end."""
+    """The inputs, with the idle one before the first, each with its end, s."""
     inputs = _inputs_of_route(scenario) or list(scenario.leader.input)
     if not inputs or inputs[0].from_s > 0.0:
         inputs.insert(0, Input())
@@ -83,9 +83,9 @@ def _segments(scenario: Scenario) -> Iterator[tuple[Input, float]]:
 
 
 def _inputs_of_route(scenario: Scenario) -> list[Input]:
-    """Inputs by which the leader's hull sails as its route does: straight, and its sharpest turns.
+    """Inputs with which the leader's hull sails like its route: straight, and its sharpest turns.
 
-    From when the route first does so; none where there are no waypoints.
+    Each begins when the route first does so; there are none without waypoints.
     """
     if not scenario.leader.waypoints:
         return []
@@ -120,7 +120,7 @@ class _Agent:
         return twin
 
     def sail(self, segment: Input, until_s: float, steps: int | None = None) -> None:
-        """Carries the hull on to `until_s` under one input, in steps of at most 2 ms."""
+        """Advance the hull to `until_s` under one input, in steps of at most 2 ms."""
         count = steps or max(1, math.ceil((until_s - self.t_s) / _STEP_S))
         h_s = (until_s - self.t_s) / count
         leader = Leader(input=(segment.model_copy(update={"from_s": 0.0}),))
@@ -151,7 +151,7 @@ def _steady(agent: _Agent, segment: Input) -> Reference:
         return _reference(segment, "periodic", motion, period_s)
     kind, window_s = _constant(agent.nu[0])
     motion = _recorded(agent, segment, window_s, _SAMPLES if kind == "turning" else 1)
-    # any window excites like any other; the shortest gives the formulas their best
+    # all windows excite equally; the shortest gives the formulas their best values
     return _reference(segment, kind, motion, _STEP_S if kind == "turning" else None)
 
 
@@ -163,7 +163,7 @@ def _constant(nu: Array) -> tuple[Kind, float]:
 
 
 def _closing(turned: float) -> int:
-    """Periods after which a heading that turns by `turned` a period is nearest to the first."""
+    """Number of periods after which a heading that turns `turned` in each is nearest its start."""
     periods = np.arange(1, _PERIODS + 1)
     gap = np.abs(np.angle(np.exp(1j * turned * periods)))
     return int(periods[np.argmax(gap < gap.min() + 1e-6)])
@@ -185,7 +185,7 @@ def _recorded(agent: _Agent, segment: Input, window_s: float, samples: int) -> M
 def _reference(segment: Input, kind: Kind, motion: Motion, T_s: float | None) -> Reference:
     fine = np.linspace(motion.begin_s, motion.begin_s + motion.window_s, 32 * _SAMPLES)
     omega = motion.nu(fine)[:, 2]
-    # the mean of ω² over whole periods, to rounding, is that of its samples
+    # over whole periods, the mean of ω² is that of its samples, to rounding
     mean_square = float(np.mean(np.square(motion.nu_periodic.values[:, 2])))
     return Reference(
         input=segment,

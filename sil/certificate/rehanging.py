@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""What becomes of a scenario's tree when one of its boats fails.
+"""The tree of a scenario after one of its boats has failed.
 
-By the rule of a fleet's table (firmware/docs/FLEET.md): who followed the failed boat hangs on that
-one's own leader; if the failed boat leads, the first other one does, and they hang on it.
+By the rule of a fleet's table (firmware/docs/FLEET.md), the followers of the failed boat follow
+that boat's leader. If the failed boat led, the first other boat leads, and they follow it.
 """
 
 import math
@@ -16,7 +16,7 @@ from sil.scenario.scenario import Scenario
 class Rehanging:
     """The deepest line of boats, before, and after any one of them has failed.
 
-    `step_m`: from the place of the boat that leads to that of the one that would; 0 where no boat
+    `step_m`: distance from the place of the boat that leads to that of its successor; 0 if no boat
     leads.
     """
 
@@ -26,7 +26,7 @@ class Rehanging:
 
 
 def rehung(follows: dict[int, int], failed: int) -> dict[int, int]:
-    """Boat by boat, whom it follows afterwards; 0: the root, which is no boat or the boat's own."""
+    """Each boat's leader after the failure; 0: the root, which is no boat or the boat itself."""
     left = {boat: leader for boat, leader in follows.items() if boat != failed}
     above = follows[failed]
     if above == 0 and list(follows.values()).count(0) == 1 and left:
@@ -39,7 +39,7 @@ def rehung(follows: dict[int, int], failed: int) -> dict[int, int]:
 
 
 def depth(follows: dict[int, int], boat: int) -> int:
-    """How many boats the line from the root to a boat has."""
+    """Number of boats in the line from the root to a boat."""
     return 0 if boat == 0 else 1 + depth(follows, follows[boat])
 
 
@@ -48,7 +48,7 @@ def _deepest(follows: dict[int, int]) -> int:
 
 
 def rehangings(scenario: Scenario) -> Rehanging:
-    """Every boat of the scenario fails, one at a time."""
+    """Let every boat of the scenario fail, one at a time."""
     leads = scenario.leader.boat
     follows = {
         boat: 0 if boat == leads else scenario.heard_by(boat)
@@ -63,6 +63,6 @@ def rehangings(scenario: Scenario) -> Rehanging:
 
 
 def _place_m(scenario: Scenario, boat: int) -> list[float]:
-    """A boat's slot behind the root."""
+    """A boat's slot relative to the root, m."""
     offsets_m = [scenario.boat[agent - 1].offset_m for agent in path_to(scenario, boat)]
     return [sum(axis) for axis in zip((0.0, 0.0), *offsets_m, strict=True)]

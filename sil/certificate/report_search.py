@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The search for the gains as rows of a table, today's gains and what they do beside it."""
+"""The search for gains as rows of a table, beside today's gains and their effects."""
 
 from collections.abc import Iterable
 
@@ -7,13 +7,13 @@ from sil.certificate.certificate import Certificate
 from sil.certificate.notes import listed
 from sil.certificate.search import Search
 
-_NOTHING = 1e-4  # 1/s: less is neither decay nor growth
+_NOTHING = 1e-4  # 1/s: smaller rates are neither decay nor growth
 
 
 def search_rows(certificate: Certificate, search: Search) -> Iterable[tuple[str, str]]:
-    """Rows of two texts: what, and how much."""
+    """Rows of two texts: a name, and a value."""
     if search.decay_of_law < _NOTHING:
-        yield "none", "with any of these some error stays or grows"
+        yield "none", "for all gains tried, some error stays or grows"
         return
     for name, gain in search.gains.items():
         yield name, f"{gain:.3g} (now {_now(certificate, name)}; {_span(search, name)})"
@@ -21,11 +21,11 @@ def search_rows(certificate: Certificate, search: Search) -> Iterable[tuple[str,
     yield "decay of the slowest boat (1/s)", ""
     yield "  LAW_OBS_BW = LAW_CUR_BW = 0", f"{off:.4f} (now {off_now:z.4f})"
     if min(search.decay - off, search.decay_now - off_now) < -_NOTHING:
-        yield "  with these as they are", f"{search.decay:z.4f} (now {search.decay_now:z.4f})"
-    yield "thrust from the fixes' noise", "multiplied, compared with now, by"
+        yield "  with their present values", f"{search.decay:z.4f} (now {search.decay_now:z.4f})"
+    yield "thrust from the fixes' noise", "factor relative to now"
     for source, ratio in search.noise.items():
         yield f"  in {source}", f"{ratio:.2g}"
-    ended = "" if search.complete else ", until its count was over"
+    ended = "" if search.complete else ", up to the limit of cycles"
     yield "searched", f"{search.evaluations} points{ended}; small errors, no noise, no limits"
 
 
@@ -36,6 +36,6 @@ def _span(search: Search, name: str) -> str:
 
 
 def _now(certificate: Certificate, name: str) -> str:
-    """A gain as it is, of all boats behind a leader that moves."""
+    """The present values of a gain, of all boats behind a leader that moves."""
     legs = [leg for leg in certificate.legs if leg.reference.kind != "rest"]
     return listed(sorted({case.setup.parameters[name] for leg in legs for case in leg.cases}))

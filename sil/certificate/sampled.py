@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Multipliers and decay of the sampled closed loop of one boat behind one reference.
 
-A boat never acts on its leader, so that the fleet's linearisation is block triangular and its
-multipliers are those of all boats together. A link's delay and rate only shift what a follower
-hears of its leader: that is outside every loop, and no multiplier depends on it. The rate of the
+A boat never acts on its leader. Therefore the fleet's linearisation is block triangular, and its
+multipliers are those of all boats together. A link's delay and rate only shift the follower's view
+of its leader: they are outside every loop, and no multiplier depends on them. The rate of a boat's
 own fixes is inside.
 
-Two kinds of multipliers are no verdict on the law and are left out: those of modes that stay in the
-firmware's memory and never move the boat; and, behind a leader at rest, those on 1 that the hull
-has whatever its propellers do (Popov, Belevitch and Hautus: rank [A − I  B]): a boat that has no
-way on cannot move sideways. The latter are counted as `neutral`.
+Two kinds of multipliers do not concern the law and are left out. The first are those of modes that
+stay in the firmware's memory and never move the boat. The second, behind a leader at rest, are
+those at 1 that the hull has under any thrusts (Popov, Belevitch and Hautus: rank [A − I B]): a boat
+without way on cannot move sideways. The latter are counted as `neutral`.
 """
 
 import math
@@ -29,7 +29,7 @@ from sil.plant.hull import Array
 Outcome = Literal["converges", "stays", "grows"]
 
 _INSTANTS, _QUICK_INSTANTS = 512, 48
-_STAYS = 1e-4  # 1/s: less is neither decay nor growth
+_STAYS = 1e-4  # 1/s: smaller rates are neither decay nor growth
 _STATIONARY = 1e-7
 _SHOWN = 6
 _ROUNDING = 1e-11
@@ -41,13 +41,13 @@ ESTIMATES = ("LAW_CUR_BW", "LAW_OBS_BW")
 class SampledLoop:
     """The stability of small deviations of one boat.
 
-    `radius`: largest |multiplier| over one window of `window_s`, the neutral ones left out; `decay`
-    in 1/s, under 0 growth; `decay_of_law` with `ESTIMATES` 0: those of current and unknown forces
-    have modes of their own, which the gains hardly move; `decays`: the slowest ones; `slowest`:
-    components of the state with their shares of the slowest mode, the largest first. `steady`: the
-    boat came to a regime that repeats itself without a propeller at its limit (`limited`), and was
-    linearised there, otherwise on its slot; `error` (3): mean |deviation| from the slot north, east
-    and in heading, m, m, rad.
+    `radius`: largest |multiplier| over one window of `window_s`, without the neutral ones. `decay`:
+    1/s, negative for growth. `decay_of_law`: the same with `ESTIMATES` 0, because the estimates of
+    current and unknown forces have modes of their own, which the gains hardly affect. `decays`: the
+    slowest ones. `slowest`: components of the state with their shares of the slowest mode, the
+    largest first. `steady`: the boat reached a regime that repeats itself without a propeller at
+    its limit (`limited`), and was linearised there, otherwise on its slot. `error` (3): mean
+    |deviation| from the slot north, east and in heading, m, m, rad.
     """
 
     window_s: float
@@ -63,21 +63,21 @@ class SampledLoop:
 
     @property
     def outcome(self) -> Outcome:
-        """Whether small deviations die out, stay, or grow."""
+        """Whether small deviations decay, stay, or grow."""
         if self.decay > _STAYS:
             return "converges"
         return "stays" if self.decay > -_STAYS else "grows"
 
     @property
     def holds(self) -> bool:
-        """Whether the boat keeps to a steady regime and small deviations die out."""
+        """Whether the boat stays in a steady regime and small deviations decay."""
         return self.steady and self.outcome == "converges"
 
 
 def sampled_loop(boat: Boat, at_rest: bool) -> tuple[SampledLoop, Points]:
     """Sail a boat into its steady regime behind its leader, at rest or not, and linearise there.
 
-    Also a few points of that regime, for `quick_decay`.
+    Also returns a few points of that regime, for `quick_decay`.
     """
     where = monodromy.instants(boat, _INSTANTS)
     few = monodromy.instants(boat, _QUICK_INSTANTS, windows=1)
@@ -102,7 +102,7 @@ def sampled_loop(boat: Boat, at_rest: bool) -> tuple[SampledLoop, Points]:
 
 
 def quick_decay(boat: Boat, points: Points) -> tuple[float, float]:
-    """`decay` and `decay_of_law`, 1/s, about points of the regime that it had with other gains."""
+    """`decay` and `decay_of_law`, 1/s, about `points` of the regime with the original gains."""
     decay = _modes(boat, points).decays[0]
     return decay, _decay_of_law(boat, points, decay, 0)
 
@@ -136,7 +136,7 @@ def uncontrollable(boat: Boat, state: Array) -> int:
 class _Modes:
     """Visible modes (k), slowest first: decays, 1/s, and distance of the multiplier from 1.
 
-    `slowest`: the components that have the largest parts in the slowest, as `SampledLoop` has it.
+    `slowest`: the components with the largest shares of the slowest mode, as in `SampledLoop`.
     """
 
     decays: list[float]
@@ -153,7 +153,7 @@ def _modes(boat: Boat, points: Points) -> _Modes:
     partial, scale = monodromy.products(factors, points.cycles)
     values, left, right = linalg.eig(partial[-1], left=True, right=True)
     seen = np.flatnonzero(monodromy.visible(values, right, partial))
-    # what is smaller is rounding
+    # smaller values are rounding errors
     seen = seen[np.abs(values[seen]) > _ROUNDING * np.abs(values[seen]).max()]
     logs = np.log(np.abs(values[seen]))
     seen, logs = seen[np.argsort(-logs)], np.sort(logs)[::-1] + scale
@@ -164,14 +164,14 @@ def _modes(boat: Boat, points: Points) -> _Modes:
 
 
 def _shares(names: npt.NDArray[np.str_], part: Array) -> dict[str, float]:
-    """Participation in a mode by products of left and right vector, those of a tenth and more."""
+    """Shares of at least a tenth in a mode, from products of its left and right vectors."""
     share = part / part.sum()
     order = [int(i) for i in np.argsort(-share, kind="stable") if share[i] >= _PART]
     return {str(names[i]): float(share[i]) for i in order}
 
 
 def _without(modes: _Modes, neutral: int) -> tuple[_Modes, int]:
-    """The modes but for at most `neutral` that are on 1, and how many these were."""
+    """The modes without at most `neutral` modes at 1, and the number of modes removed."""
     near = np.argsort(modes.from_one)[:neutral].tolist()
     dropped = {j for j in near if modes.from_one[j] < monodromy.NEAR_ONE}
     rest = [j for j in range(len(modes.decays)) if j not in dropped]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The state of a search for gains: where it looks, its best point, and what was found there.
+"""The state of a search for gains: its ranges, its best point, and its results.
 
-It is bounded by a count of linearised cycles, so that what it finds does not depend on the load.
+A count of linearised cycles limits it, so that the result does not depend on the computer's load.
 """
 
 import math
@@ -15,7 +15,7 @@ from sil.certificate.monodromy import Points
 from sil.certificate.noise import noise_gains
 from sil.certificate.sampled import quick_decay
 
-SEARCH_CYCLES = 25_000  # linearised: 40 s on a quiet core
+SEARCH_CYCLES = 25_000  # linearised cycles: 40 s on a quiet core
 
 _RANGES = {"LAW_KX": (0.02, 2.0), "LAW_KPSI": (0.05, 2.0), "LAW_XT_DIST": (0.25, 8.0)}
 _GRID = {2: 8, 3: 5}
@@ -25,13 +25,13 @@ _END = 1e-6
 
 @dataclass(frozen=True)
 class Search:
-    """What was found: `gains` by parameter name, after `evaluations` points.
+    """The result of a search: `gains` by parameter name, after `evaluations` points.
 
-    `decay_of_law`, 1/s: what was sought to be largest; `decay`: with the estimates at work; `*_now`
-    the same with the gains as they are. `noise`: by `noise.SOURCES`, thrust by noise of the own
-    fixes as a multiple of what it is now, of the boat with the largest. `complete`: the search came
-    to its end before `SEARCH_CYCLES` did; `ranges`: where it looked; `at_end`: the gains that lie
-    at an end of that.
+    `decay_of_law`: 1/s, the maximized quantity. `decay`: the same with the estimates on. `*_now`:
+    the same with the present gains. `noise`: by `noise.SOURCES`, thrust due to noise of the own
+    fixes as a multiple of its present value, for the boat with the largest. `complete`: the search
+    ended before `SEARCH_CYCLES` did. `ranges`: the ranges searched. `at_end`: the gains that lie at
+    an end of their range.
     """
 
     gains: dict[str, float]
@@ -59,7 +59,7 @@ class Searcher:
         self.late = False
 
     def axes(self) -> list[list[float]]:
-        """A grid, coarser where loops are costly: half of the count is for the refinement."""
+        """A grid, coarser if loops are costly: half of the cycles remain for the refinement."""
         dimensions = len(self._names)
         affordable = int((0.5 * self._most) ** (1.0 / dimensions) + 1e-9)
         count = max(_LEAST_GRID, min(_GRID[dimensions], affordable))
@@ -70,7 +70,7 @@ class Searcher:
         return {name: math.exp(x) for name, x in zip(self._names, point, strict=True)}
 
     def try_out(self, point: tuple[float, ...]) -> None:
-        """Keep a point if it lies in the ranges and is better than the best."""
+        """Keep a point if it lies in the ranges and is better than the best so far."""
         inside = all(
             low - 1e-9 <= x <= high + 1e-9
             for x, (low, high) in zip(point, map(_span, self._names), strict=True)
@@ -86,7 +86,7 @@ class Searcher:
             self.best, self.decays = point, decays
 
     def found(self) -> Search:
-        """The best point beside the gains as they are."""
+        """The best point, with the present gains for comparison."""
         gains, ranges = self.named(self.best), {name: _RANGES[name] for name in self._names}
         of_law_now, now = self._slowest({}, (-math.inf, -math.inf))
         ends = [
@@ -117,13 +117,13 @@ class Searcher:
     def _slowest(
         self, gains: Mapping[str, float], best: tuple[float, float]
     ) -> tuple[float, float]:
-        """Of the law, and of all; not further than it takes to see that it is no better."""
+        """Slowest decay of the law, and of all; stops once the point cannot be the best."""
         of_law, of_all = math.inf, math.inf
         for boat, points in self._boats:
             whole, law = quick_decay(boat.with_parameters(gains), points)
             of_law, of_all = min(of_law, law), min(of_all, whole)
             if (of_law, of_all) <= best:
-                break  # worse already than the best
+                break  # already worse than the best
         return of_law, of_all
 
 

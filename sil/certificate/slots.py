@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""What a slot asks of its boat: the heading, speeds and wrench with which its hull stays on it.
+"""Heading, speeds and wrench with which a boat's hull stays on its slot.
 
-The slot's path is given, the sway force is not the boat's to choose: the heading is that with which
-the hull needs none, found at even times along the window by Newton's method, with differences of
-fourth order for ψ̇ and ψ̈. The hull is the simulation's own, asked for its accelerations; wrenches
-come out to 1e-6 of their size. Waves and gusts are left out, a steady current is in.
+The slot's path is given, and the boat cannot choose its sway force. Therefore the heading is the
+one at which the hull needs no sway force; it is found at even times along the window by Newton's
+method, with differences of fourth order for ψ̇ and ψ̈. Accelerations come from the simulation's own
+hull; wrenches are exact to 1e-6 of their size. Waves and gusts are left out; a steady current is
+included.
 """
 
 from dataclasses import dataclass
@@ -21,15 +22,15 @@ _PROBE_S = 1e-4
 _NUDGE = 1e-6
 _SMALL_N = 1e-9
 _ITERATIONS, _HALVINGS = 50, 10
-_MOST_RAD = 0.5  # of one step, a tenth of a turn or so
+_MOST_RAD = 0.5  # limit of one step, about a tenth of a turn
 
 
 @dataclass(frozen=True)
 class SlotMotion:
     """A boat's motion on its slot and the wrench (M, 2) [X N] in N, N m at `motion.times_s`.
 
-    `sway_N`: largest sway force that is left over and that no propeller gives; 0 where the slot can
-    be followed at all.
+    `sway_N`: largest remaining sway force, which no propeller can give; 0 if the slot can be
+    followed.
     """
 
     motion: Motion
@@ -46,7 +47,7 @@ def slot_motion(
 ) -> SlotMotion:
     """Motion of a hull on its slot, in water that flows with `current` (2), m/s, north and east.
 
-    `offset_m` (2): the slot north and east of the leader or, where it is `turning` with the leader,
+    `offset_m` (2): the slot north and east of the leader or, if it is `turning` with the leader,
     ahead and to starboard of it.
     """
     times_s = leader.times_s
@@ -69,13 +70,13 @@ def slot_motion(
 
 
 def _first_heading(psi: Array, through_water: Array) -> Array:
-    """Headings (M) along the way through the water; the leader's where there is hardly any."""
+    """Headings (M) along the motion through the water; the leader's if there is hardly any."""
     ahead, abeam = body_from_ground(psi, through_water).T
     if np.hypot(ahead, abeam).max() < _NUDGE:
         return psi
     if (ahead > np.abs(abeam)).all():
         return np.asarray(psi + np.arctan2(abeam, ahead))
-    # it need not have a direction always: one for all the window
+    # the motion may have no direction at times, so one choice holds for the whole window
     return np.asarray(psi + np.arctan2(abeam.mean(), ahead.mean()))
 
 

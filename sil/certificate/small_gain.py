@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The paper's small-gain test by its printed formulas; it is sufficient only.
+"""The paper's small-gain test by its printed formulas; it is only a sufficient condition.
 
  γ1 = 2 T β / μ                                            (eq:gamma1)
  β  = 1 + 2 ω̄² T + α + ω̄                                   (above eq:gamma1)
@@ -29,8 +29,8 @@ MOST_K_X = 10.0
 class SmallGain:
     """The formulas' values at the chosen gains; `k_x_*`: largest k_x under 1, 1/s, or None.
 
-    `MOST_K_X` stands for that and more; `above_*`: right-hand side of eq:above, with
-    q = (1 + k_x)² or 1 + k_x².
+    `MOST_K_X` stands for that value or more; `above_*`: right-hand side of eq:above, with q = (1 +
+    k_x)² or 1 + k_x².
     """
 
     bound: float
@@ -49,7 +49,7 @@ class SmallGain:
 
 
 def small_gain(vessel: HullParameters, reference: Reference, k_x: float, k_psi: float) -> SmallGain:
-    """The test of one vessel with gains k_x, k_ψ (1/s) behind one reference."""
+    """The test for one vessel with gains k_x, k_ψ (1/s) behind one reference."""
     case = _Case.of(vessel, reference)
     bound = case.bound()
     omega_M = k_psi + case.omega  # |ω*| ≤ ω_M

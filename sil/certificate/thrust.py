@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whether the propellers can give what a boat's slot asks for, and which is nearest to its limit.
+"""Compares the thrusts that a boat's slot needs with the limits of its propellers.
 
 T_port = X/2 + N/2a        T_stbd = X/2 − N/2a        a half the distance between the two
 """
@@ -21,8 +21,8 @@ Direction = Literal["forward", "reverse"]
 class ThrustNeed:
     """Extremes of both propellers, N, and the one nearest to its limit.
 
-    `margin`: share of the limit of propeller `side` in `direction` that is left at `at_s` after
-    the window's beginning; under 0 where it cannot give what is asked.
+    `margin`: unused share of the limit of propeller `side` in `direction`, at `at_s` after the
+    window's beginning; negative if the propeller cannot give the thrust.
     """
 
     least_N: float
@@ -35,17 +35,17 @@ class ThrustNeed:
 
     @property
     def given(self) -> bool:
-        """Whether the propellers can give it all, and the hull needs nothing in sway."""
+        """Whether the propellers can give all thrusts, and the hull needs no sway force."""
         return self.margin >= 0.0 and self.sway_N < 1e-3
 
 
 def thrust_need(slot: SlotMotion, propellers: PropellerParameters) -> ThrustNeed:
-    """What a slot asks of a boat's propellers."""
+    """The thrusts that a slot needs from a boat's propellers."""
     thrust = thrusts(slot.tau, propellers.arm_m)
     forward = thrust / propellers.forward_max_N
     reverse = np.zeros_like(thrust)
     astern = thrust < -1e-9
-    # a propeller that cannot reverse is asked for infinitely much
+    # a propeller that cannot reverse would need an infinite share of its limit
     with np.errstate(divide="ignore"):
         reverse[astern] = -thrust[astern] / np.float64(propellers.reverse_max_N)
     used = np.maximum(forward, reverse)

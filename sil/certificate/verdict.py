@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The verdict in one sentence, and the exit status that goes with it."""
+"""The verdict in one sentence, and its criterion."""
 
 import math
 from collections.abc import Iterator
@@ -10,12 +10,12 @@ from sil.lockstep.metrics import SETTLED_M
 
 
 def holds(certificate: Certificate) -> bool:
-    """Every boat's sampled loop converges and its propellers can give what its slot asks for."""
+    """Whether all boats converge, their thrusts suffice, and the longest chain holds."""
     return next(_failures(certificate), None) is None
 
 
 def sentence(certificate: Certificate) -> str:
-    """What is so, or what is wrong first of all."""
+    """The verdict: the certified figures, or the gravest failure."""
     wrong = next(_failures(certificate), None)
     if wrong is not None:
         return f"not certified: {wrong}"
@@ -29,7 +29,7 @@ def sentence(certificate: Certificate) -> str:
     )
     neutral = [case for _, case in cases if case.sampled.neutral]
     if neutral:
-        text += "; while the leader lies still, errors abeam stay as they are" + _up_to(neutral)
+        text += "; while the leader is at rest, errors abeam stay as they are" + _up_to(neutral)
     worst = max((case for _, case in cases), key=_off_m)
     if _off_m(worst) > SETTLED_M:
         text += f"; but {name(worst.boats)}: {_off_m(worst):.2f} m off the slot for ever"
@@ -37,7 +37,7 @@ def sentence(certificate: Certificate) -> str:
 
 
 def _failures(certificate: Certificate) -> Iterator[str]:
-    """What is wrong, the gravest first."""
+    """Sentences on all failures, the gravest first."""
     cases = [(leg, case) for leg in certificate.legs for case in leg.cases]
     where = len(certificate.legs) > 1
     for leg, case in cases:
@@ -65,7 +65,7 @@ def _failures(certificate: Certificate) -> Iterator[str]:
 
 
 def _up_to(cases: list[Case]) -> str:
-    """Which errors abeam the boats leave alone: farther off they approach (core/approach.hpp)."""
+    """Limit of the errors abeam that persist: boats farther off approach (core/approach.hpp)."""
     every = [case.setup.parameters for case in cases]
     if any(own["LAW_XT_DIST"] * own["LAW_KX"] == 0.0 for own in every):
         return ""
@@ -73,12 +73,12 @@ def _up_to(cases: list[Case]) -> str:
 
 
 def _off_m(case: Case) -> float:
-    """Mean distance north and east from the slot, at the end."""
+    """Mean horizontal distance from the slot over the last window, m."""
     return math.hypot(*case.sampled.error[:2])
 
 
 def name(boats: list[int]) -> str:
-    """Boats in words."""
+    """The boats' names as text."""
     if len(boats) == 1:
         return f"boat {boats[0]}"
     if boats == list(range(boats[0], boats[-1] + 1)):
@@ -90,7 +90,7 @@ def _thrust(case: Case) -> str:
     need = case.thrust
     if need.margin >= 0.0:
         return (
-            f"{name(case.boats)}: the slot needs {need.sway_N:.2g} N in sway, which nothing gives"
+            f"{name(case.boats)}: the slot needs {need.sway_N:.2g} N in sway: no propeller gives it"
         )
     side = "port" if need.side == "port" else "starboard"
     return (
@@ -102,10 +102,10 @@ def _thrust(case: Case) -> str:
 def _why(leg: Leg, case: Case) -> str:
     mode = next(iter(case.sampled.slowest), "")
     if mode.startswith(("current", "unknown")):
-        return f", that of a wrong estimate of the {mode}, which this leg does not show"
+        return f", due to a wrong estimate of the {mode}, which is not observable on this leg"
     if leg.reference.mu > 0.0 or case.setup.parameters.get("LAW_XT_DIST", 0.0) > 0.0:
         return ""
-    return ", for the leader does not turn and LAW_XT_DIST is 0"
+    return ", because the leader does not turn and LAW_XT_DIST is 0"
 
 
 def _leg(leg: Leg, told: bool) -> str:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Times the firmware and the simulation and counts instructions; --live: flotillad's latencies.
+"""Times the firmware and the simulation and counts instructions.
 
---commands: how long `--help`, a run and a campaign take, and what of that is sailing.
+--live measures flotillad's latencies. --commands measures how long `--help`, a run and a campaign
+take, and how much of that time is sailing.
 
-Needs valgrind and the program flotilla_bench: tools/bench provides both and calls this.
+Needs valgrind and the program flotilla_bench. tools/bench provides both, then calls this command.
 """
 
 import argparse
@@ -20,11 +21,15 @@ EXAMPLES = (
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there too")
-    parser.add_argument("--live", action="store_true", help="latencies of flotillad on a live bus")
-    parser.add_argument("--commands", action="store_true", help="time what users wait for")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures to FILE")
+    parser.add_argument(
+        "--live", action="store_true", help="measure flotillad's latencies on a live bus"
+    )
+    parser.add_argument(
+        "--commands", action="store_true", help="time the commands that users wait for"
+    )
     parser.add_argument("--bus", default="mcast:5", help="bus of boat 1 for --live (mcast:5)")
-    parser.add_argument("--seconds", type=float, default=60.0, help="how long for --live (60)")
+    parser.add_argument("--seconds", type=float, default=60.0, help="duration of --live (60)")
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:

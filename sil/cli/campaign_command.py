@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Sails a scenario many times, each run with its own draws of [[vary]]: tables, pictures, a page.
 
-An interrupted campaign goes on where it was. Exit status: 0, 1 where a boat broke a rule of the
-firmware, 2 for a mistake of the caller, 130 interrupted; a run that diverges or fails is told, and
-changes no exit status.
+The same command continues an interrupted campaign. Exit status: 0; 1 if a boat broke a rule of the
+firmware; 2 after a mistake of the caller; 130 if interrupted. A run that diverges or fails is
+reported, but does not change the exit status.
 """
 
 import argparse
@@ -24,25 +24,27 @@ EXAMPLES = (
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_to(parser, out="folder of the results (out/campaign/SCENARIO)")
-    parser.add_argument("--runs", type=arguments.count, default=100, metavar="N", help="(100)")
+    parser.add_argument(
+        "--runs", type=arguments.count, default=100, metavar="N", help="number of runs (100)"
+    )
     arguments.add_workers_to(parser)
     parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="of a Dask cluster that sails them: tcp://HOST:PORT"
+        "--scheduler", metavar="ADDRESS", help="sail on this Dask cluster: tcp://HOST:PORT"
     )
     parser.add_argument(
-        "--run", type=int, metavar="K", help="sail run K alone, with full trace, into DIR/runs/K"
+        "--run", type=int, metavar="K", help="sail only run K, with its full trace, into DIR/runs/K"
     )
 
 
 def main(options: argparse.Namespace, given: Sequence[str]) -> int:
-    """Sail it; `given` is what the caller typed."""
+    """Sail the campaign; `given`: the command line as the caller typed it."""
     began_s = time.perf_counter()
-    for name in ("pyarrow", "matplotlib"):  # which are imported only after the runs
+    for name in ("pyarrow", "matplotlib"):  # imported only after the runs
         if find_spec(name) is None:
             raise ModuleNotFoundError(name=name)
     if options.run is None and options.scheduler is None:
         pool.prepare(["sil.campaign.warm"])
-    # While the workers import what they need, so does this process.
+    # While the workers import their modules, this process imports its own.
     from sil.campaign import campaign
 
     return campaign.main(options, given, began_s)

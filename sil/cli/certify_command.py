@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Says before a scenario is sailed whether its boats hold their formation.
+"""Checks, before sailing, whether the boats of a scenario hold their formation.
 
-The paper's conditions, the Floquet multipliers of its periodic system and of every boat's sampled
-closed loop, the thrust that the slots need, how deep a chain of boats may be, and faster gains:
-tables, pictures, a verdict. Exit status: 0 certified, 1 not, 2 for a mistake of the caller.
+Computes the paper's conditions, the Floquet multipliers of its periodic system and of every boat's
+sampled closed loop, the thrust that the slots need, the greatest depth of a chain of boats, and
+faster gains. Leaves tables, pictures and a verdict. Exit status: 0 certified, 1 not certified, 2
+after a mistake of the caller.
 """
 
 import argparse
@@ -27,12 +28,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_to(parser, out="folder of the results (out/certify/SCENARIO)")
     parser.add_argument(
-        "--json", type=Path, metavar="FILE", help="write certificate.json there too"
+        "--json", type=Path, metavar="FILE", help="also write certificate.json to FILE"
     )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Compute it, print it and write it."""
+    """Compute, print and write the certificate."""
     from rich.console import Console
 
     from sil.certificate import certificate_files, certificate_report, certified_fleet, verdict
@@ -44,7 +45,9 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     console = Console()
     chosen = scenario.load(options.scenario, overrides, options.law)
     parameters = arguments.parameters_of(options.param)
-    certified_fleet.parameters(chosen, parameters)  # refuses mistaken ones before all is computed
+    certified_fleet.parameters(
+        chosen, parameters
+    )  # refuses invalid parameters before the long computation
     folder = options.out or Path("out") / "certify" / chosen.name
     out = claim(folder, "certificate.json", chosen.name)
     certificate_files.check(out, options.json)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Boat 1 sails a plan and three boats follow in a diamond; the report is out/demo/report.html.
 
-Started in a terminal of a desktop, it opens it in the browser. With --live they sail in real time,
-a flotillad process each, and a page in the browser shows them, and the plan, and, in a terminal,
-plays back what it heard when they have sailed.
+From a terminal on a desktop, the demo opens the report in the browser. With --live the boats sail
+in real time, each with its own flotillad process, and a page in the browser shows them and the
+plan. After a live run from a terminal, the page replays it.
+
 Further options go to `flotilla run`, or with --live to `flotilla live`.
 """
 
@@ -23,11 +24,13 @@ _DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--live", action="store_true", help="in real time, shown in the browser")
+    parser.add_argument(
+        "--live", action="store_true", help="sail in real time, shown in the browser"
+    )
 
 
 def main(options: argparse.Namespace, given: Sequence[str]) -> int:
-    """Sail it."""
+    """Sail the demo."""
     from sil.cli.main import main as flotilla
 
     others = [text for text in given[1:] if text != "--live"]
@@ -58,7 +61,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
 
 
 def _show(others: Sequence[str]) -> None:
-    """Open the report in the browser, where somebody sits before a desktop."""
+    """Open the report in the browser, if the command runs in a terminal on a desktop."""
     desktop = sys.platform in ("darwin", "win32") or any(map(os.environ.get, _DESKTOPS))
     if not (desktop and sys.stdin.isatty()):
         return

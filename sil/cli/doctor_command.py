@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Looks at a boat's computer: what keeps it from sailing, and what to do about it.
+"""Examines a boat's computer: what keeps the boat from sailing, and the remedy.
 
-Clock, disk and supply; the service, its files and who may use them; the CAN interface and the motor
-controllers on it; MAVLink links with rates, latency and signatures. It commands nothing. While
-flotillad runs it is asked; else the doctor listens to the links itself. With sudo it may read what
-the service reads.
+It checks clock, disk and supply; the service, its files and their permissions; the CAN interface
+and its motor controllers; the MAVLink links with their rates, latency and signatures. It commands
+nothing. If flotillad runs, the doctor asks it; otherwise it listens to the links itself. With sudo
+it can read all that the service reads.
 
-Exit status: 0 for a boat that is ready, 1 where something keeps it from sailing, 2 for a mistake of
-the caller.
+Exit status: 0 if the boat is ready, 1 if something keeps it from sailing, 2 after a mistake of the
+caller.
 """
 
 import argparse
@@ -26,30 +26,34 @@ _CONFIG = "/etc/flotilla/boat.toml"
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument(
-        "--config", default=_CONFIG, metavar="FILE", help=f"of flotillad ({_CONFIG})"
+        "--config", default=_CONFIG, metavar="FILE", help=f"configuration of flotillad ({_CONFIG})"
     )
     parser.add_argument(
-        "--seconds", type=_seconds, default=4.0, metavar="S", help="to listen to each bus (4)"
+        "--seconds",
+        type=_seconds,
+        default=4.0,
+        metavar="S",
+        help="seconds to listen to each bus (4)",
     )
-    parser.add_argument("--json", action="store_true", help="the findings for a program")
+    parser.add_argument("--json", action="store_true", help="print the findings as JSON")
     parser.add_argument(
         "--collect",
         type=Path,
         metavar="FILE.tar.gz",
-        help="write findings, configuration, parameters, logs and versions there, no keys",
+        help="write findings, configuration, parameters, logs and versions, but no keys",
     )
-    parser.add_argument("--user", default="flotilla", help="whom flotillad runs as (flotilla)")
+    parser.add_argument("--user", default="flotilla", help="user that runs flotillad (flotilla)")
     parser.add_argument(
         "--root",
         type=Path,
         default=Path("/"),
         metavar="DIR",
-        help="look up files there: a boat's card in a reader",
+        help="root of the files to examine, such as a boat's memory card in a reader",
     )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Examine and tell."""
+    """Examine the computer and print the findings."""
     from sil.doctor import boat_file
     from sil.doctor.checkup import as_json, examine, lines
     from sil.doctor.collection import collect
@@ -74,7 +78,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
 
 
 def _seconds(text: str) -> float:
-    """A time to listen; ValueError."""
+    """Parse a listening time in seconds; ValueError if it is out of range."""
     seconds = float(text)
     if not 0.0 < seconds <= 600.0:
         raise ValueError(text)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Sails the matrix of faults, each against its limits, or random faults for hours.
 
-Exit status: 0 all limits kept, 1 not all, 2 for a mistake of the caller, 130 interrupted.
+Exit status: 0 if all limits were kept, 1 if not, 2 after a mistake of the caller, 130 if
+interrupted.
 """
 
 import argparse
@@ -17,17 +18,21 @@ EXAMPLES = (
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--out", type=Path, default=Path("out/faults"), help="(out/faults)")
-    parser.add_argument("--only", metavar="NAME", help="rows whose names have this in them")
     parser.add_argument(
-        "--live", action="store_true", help="the live rows as well: flotillad on a vcan, real time"
+        "--out", type=Path, default=Path("out/faults"), help="folder of the results (out/faults)"
     )
-    parser.add_argument("--soak", metavar="HOURS", type=float, help="random faults for so long")
-    parser.add_argument("--seed", type=int, default=1, help="of the soak's random numbers (1)")
+    parser.add_argument("--only", metavar="NAME", help="sail only rows whose name contains NAME")
+    parser.add_argument(
+        "--live",
+        action="store_true",
+        help="also sail the live rows: flotillad on a vcan, in real time",
+    )
+    parser.add_argument("--soak", metavar="HOURS", type=float, help="sail random faults for HOURS")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the soak (1)")
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Sail them."""
+    """Sail the matrix or the soak."""
     from rich.console import Console
 
     from sil.faults import examination

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Commands a whole fleet: arms it, forms it, sends it off, stops it.
 
-status            who is in its slot, who leads, who is silent
+status            which boats are in their slots, which boat leads, which are silent
 arm, disarm       all boats, or those of --boats
-form SHAPE        a table of the fleet: line, column, vee, diamond, circle, grid with --spacing M,
+form SHAPE        a new shape: line, column, vee, diamond, circle or grid with --spacing M,
                   or a file NAME.toml with places_m = [[ahead, starboard], …]; the first of --boats
                   (or the lowest system id) leads
 follow            FORMATION for all that follow
@@ -15,7 +15,7 @@ stop              disarms every boat directly, by every link; names each that di
 serve             makes the fleet one vehicle, with the system id --as, for a ground station
                   at --ground, until Ctrl-C
 
-Exit status: 0, 1 where a boat did not do as it was told, 2 for a mistake of the caller.
+Exit status: 0; 1 if a boat did not execute its command; 2 after a mistake of the caller.
 """
 
 import argparse
@@ -66,25 +66,32 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--mavlink",
         action="append",
         metavar="udpin:HOST:PORT|udpout:HOST:PORT|tcp:HOST:PORT|/dev/TTY[:BAUD]",
-        help=f"a link to the boats ({_DEFAULT}); several at once",
+        help=f"a link to the boats ({_DEFAULT}); repeatable",
     )
     parser.add_argument(
-        "--boats", type=_systems, default=(), metavar="N,N", help="system ids (all that are heard)"
+        "--boats", type=_systems, default=(), metavar="N,N", help="system ids (all boats heard)"
     )
     parser.add_argument(
-        "--key", type=Path, metavar="FILE", help="signs; only who has this key is heard"
+        "--key",
+        type=Path,
+        metavar="FILE",
+        help="sign messages, and accept only those signed with this key",
     )
     parser.add_argument(
         "--station", type=_system, default=255, metavar="N", help="own system id (255)"
     )
     parser.add_argument(
-        "--spacing", type=float, metavar="M", help="form: between neighbours in the shape"
+        "--spacing", type=float, metavar="M", help="form: distance between neighbours, m"
     )
     parser.add_argument(
         "--fixed", action="store_true", help="form: the shape does not turn; ahead is north"
     )
     parser.add_argument(
-        "--local", nargs=2, type=float, metavar=("N", "E"), help="go: metres from the leader"
+        "--local",
+        nargs=2,
+        type=float,
+        metavar=("N", "E"),
+        help="go: metres north and east of the leader",
     )
     parser.add_argument(
         "--ground", metavar="LINK", default=_GROUND, help=f"serve: the ground station ({_GROUND})"
@@ -95,7 +102,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Do it."""
+    """Execute the action."""
     wish = _wish(options)
     from rich.console import Console
 
@@ -134,7 +141,7 @@ def _serve(station: "Station", options: argparse.Namespace, console: "Console") 
 
 
 def _wish(options: argparse.Namespace) -> "Wish":
-    """What the caller wants; ValueError where it makes no sense."""
+    """Translate the options into a wish; ValueError if they contradict each other."""
     action, words = options.action, options.words
     if action not in _ACTIONS:
         near = difflib.get_close_matches(action, _ACTIONS, 1)
@@ -166,7 +173,7 @@ def _wish(options: argparse.Namespace) -> "Wish":
 
 
 def _system(text: str) -> int:
-    """A system id; ValueError."""
+    """Parse a system id; raise an argparse error if it is invalid."""
     if not text.isdecimal() or not 1 <= int(text) <= 255:
         raise argparse.ArgumentTypeError(f'"{text}" is no system id from 1 to 255')
     return int(text)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Lists the hulls that a scenario may name, or prints one's parameters for the firmware.
 
-`hull = "otter"` in a scenario, or for one boat of it, is that hull. With a name: its .param file,
-which Mission Planner, MAVProxy and flotillad load; --format params is QGroundControl's. The same
-files are in sil/hulls.
+`hull = "otter"` in a scenario, or in a boat's table, selects that hull. With a name, prints its
+.param file, which Mission Planner, MAVProxy and flotillad load; with --format params, the file for
+QGroundControl. The same files are in sil/hulls.
 """
 
 import argparse
@@ -16,12 +16,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("hull", nargs="?", help="a name of the list")
     parser.add_argument(
-        "--format", choices=("param", "params"), default="param", help="of the file (param)"
+        "--format", choices=("param", "params"), default="param", help="format of the file (param)"
     )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Print it."""
+    """Print the list or the file."""
     from sil.scenario import hull_files, presets
 
     if options.hull is not None:

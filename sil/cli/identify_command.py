@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Finds a hull in logs of its sailing: inertias, drag, propellers, compass; a parameter file.
+"""Identifies a hull from logs of its sailing: inertias, drag, propellers, compass.
 
-Takes CSV files with named columns, tlogs, ArduPilot's .bin. Weigh the boat and
-measure its length and the distance of its propellers: logs alone determine ratios only. Exit
-status: 0, 1 where the hull does not predict the half of the logs that it was not fitted to, 2 for a
-mistake of the caller.
+Reads CSV files with named columns, tlogs and ArduPilot's .bin; writes a parameter file and a page.
+Weigh the boat, and measure its length and the distance between its propellers: logs alone determine
+ratios only. Exit status: 0; 1 if the hull does not predict the half of the logs to which it was not
+fitted; 2 after a mistake of the caller.
 """
 
 import argparse
@@ -22,12 +22,19 @@ EXAMPLES = (
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("logs", nargs="+", type=Path, metavar="LOG")
-    parser.add_argument("--mass", type=_positive, required=True, help="kg, as it sails")
-    parser.add_argument("--length", type=_positive, required=True, help="m, of the hull")
     parser.add_argument(
-        "--arm", type=_positive, required=True, help="m, half the distance of the propellers"
+        "--mass", type=_positive, required=True, help="mass of the boat ready to sail, kg"
     )
-    parser.add_argument("--out", type=Path, default=Path("out/identify"), help="(out/identify)")
+    parser.add_argument("--length", type=_positive, required=True, help="length of the hull, m")
+    parser.add_argument(
+        "--arm", type=_positive, required=True, help="half the distance between the propellers, m"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/identify"),
+        help="folder of the results (out/identify)",
+    )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Sails a scenario in real time, a flotillad process a boat, on a CAN bus for each.
+"""Sails a scenario in real time, with one flotillad process and one CAN bus for each boat.
 
-Exit status: 0; 1 where the verdict is red (a boat was in no state that sails, or two came nearer
-than a hull is long), but not where --gcs lets somebody command the boats; 2 for a mistake of the
-caller.
+Exit status: 0; 1 if the verdict is red (a boat stopped, or two boats came nearer than a hull's
+length), unless --gcs lets a ground station command the boats; 2 after a mistake of the caller.
 """
 
 import argparse
@@ -31,24 +30,24 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--bus",
         default="mcast:0",
         metavar="mcast:N|socketcan:NAMEn",
-        help="bus of boat 1, as mcast:0 (so it is) or socketcan:vcan0; boat i takes the next one",
+        help="bus of boat 1 (mcast:0), or socketcan:vcan0; the other boats take the next ones",
     )
     parser.add_argument(
         "--mavlink",
         metavar="mcast:[GROUP:PORT[:ADDRESS]]|udpout:HOST:PORT",
-        help="repeat the radio's messages there, for flotilla view and ground stations",
+        help="repeat the radio's messages to this address, for flotilla view and ground stations",
     )
     parser.add_argument(
         "--gcs",
         metavar="udpout:HOST:PORT",
-        help="a ground station there commands the boats as it would real ones: QGroundControl, "
+        help="let a ground station at this address command the boats: QGroundControl, "
         "MAVSDK and MAVProxy listen on 14550",
     )
     parser.add_argument("--duration", type=float, help="seconds (the scenario's)")
 
 
 def main(options: argparse.Namespace, given: Sequence[str]) -> int:
-    """Sail it; `given` is what the caller typed."""
+    """Sail the scenario; `given`: the command line as the caller typed it."""
     import can
     from rich.console import Console
 
@@ -72,6 +71,6 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     except (StartError, can.CanError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    (out / "run.mcap").unlink(missing_ok=True)  # of an earlier run
+    (out / "run.mcap").unlink(missing_ok=True)  # left by an earlier run
     leave_motion(chosen, out, parameters, console)
     return int(options.gcs is None and headline.of_run(summary).level == "bad")

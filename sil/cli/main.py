@@ -16,22 +16,22 @@ from sil import ROOT
 _VERBS = {
     "demo": "four boats sail boat 1's plan; --live: in real time, shown in the browser",
     "run": "sail a scenario in lockstep, as fast as possible",
-    "live": "sail a scenario in real time, a flotillad process a boat",
+    "live": "sail a scenario in real time, one flotillad process per boat",
     "campaign": "sail a scenario many times, each run with its own draws",
     "compare": "is campaign B worse than campaign A?",
-    "identify": "find a hull in logs of its sailing: a parameter file, a page",
-    "certify": "do these gains hold the formation? answered before sailing",
+    "identify": "identify a hull from logs of its sailing: a parameter file, a page",
+    "certify": "check before sailing whether the gains hold the formation",
     "view": "show a fleet in the browser, live or recorded",
     "fleet": "command a fleet: arm it, form it, send it off, stop it",
-    "doctor": "look at a boat's computer: what keeps it from sailing, and what to do",
-    "scenarios": "list the scenarios, or print one to begin your own with",
+    "doctor": "find out what keeps a boat's computer from sailing",
+    "scenarios": "list the scenarios, or print one as a start for your own",
     "hulls": "list the hulls that a scenario may name, or print one's parameters",
     "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
     "replay": "feed a recording to its boats again: the same answers, bit for bit?",
     "faults": "sail the matrix of faults, or hours of random ones",
     "bench": "time the firmware and the simulation, count instructions",
-    "rivals": "sail Flotilla beside other ways to follow a plan",
-    "results": "sail all that the project publishes, and renew its pages",
+    "rivals": "compare Flotilla with other ways to follow a plan",
+    "results": "sail all published scenarios, and renew their pages",
 }
 # The extra of pyproject.toml that installs a module.
 _EXTRAS = {
@@ -46,24 +46,28 @@ _EXTRAS = {
     "casadi": "rivals",
     "psutil": "dev",
 }
-# Each of these first builds what it runs.
+# Each of these builds its program before it runs it.
 _TOOLS = {
     "fuzz": "feed random bytes, frames, files and histories to the firmware",
     "fixed": "prove the errors of the fixed-point functions",
     "metal": "play a stream to a Cortex-M4 under qemu; instructions and memory",
-    "flakes": "run tests over and over: does one ever come out otherwise?",
+    "flakes": "repeat tests and runs: does one ever differ?",
     "reference": "renew the generated tables of the firmware's pages",
 }
 _INTERRUPTED = 130
-_OBJECTS = 50_000  # new ones, before the collector looks for unreachable cycles
+_OBJECTS = 50_000  # new objects, before the collector looks for unreachable cycles
 
 
 def main(given: Sequence[str] | None = None) -> int:
-    """Exit status: 0 as wanted, 1 a limit missed, 2 a mistake of the caller, 130 interrupted."""
+    """Run a command; returns its exit status.
+
+    0 on success, 1 if a limit was missed, 2 after a mistake of the caller, 130 if interrupted.
+    """
     if given is None:
-        # A live run that is told to end takes its boats with it, as after Ctrl-C.
+        # SIGTERM ends a live run as Ctrl-C does, so that the boats' processes end too.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        # At Python's 700, the collector takes a tenth of the time of loading a verb's modules.
+        # With Python's threshold of 700, the garbage collector takes a tenth of the time in which a
+        # verb's modules load.
         gc.set_threshold(_OBJECTS)
         given = sys.argv[1:]
     given = list(given)
@@ -85,7 +89,7 @@ def main(given: Sequence[str] | None = None) -> int:
         )
         command.add_to(parser)
         options, further = parser.parse_known_intermixed_args(others)
-        if further and verb != "demo":  # which passes them on
+        if further and verb != "demo":  # demo passes them on
             parser.error(f"unrecognized arguments: {' '.join(further)}")
         status: int = command.main(options, given)
     except KeyboardInterrupt:
@@ -105,7 +109,7 @@ def main(given: Sequence[str] | None = None) -> int:
 
 
 def sentence(error: Exception) -> str:
-    """What went wrong, where, and what helps; without numbers of the operating system."""
+    """The error's cause, place and remedy, without the operating system's error numbers."""
     if not isinstance(error, OSError) or error.errno is None:
         return str(error)
     if error.errno == errno.EAFNOSUPPORT:

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""The folder that a verb leaves its results in."""
+"""The folder for a verb's results."""
 
 import json
 from pathlib import Path
 
 
 def claim(out: Path, marker: str, scenario: str) -> Path:
-    """`out`, unless it is a file or holds other results than this verb's of this scenario.
+    """Return `out`, unless it is a file or holds results of another verb or another scenario.
 
-    `marker`: the file by which the verb's results are known, JSON with their "scenario"; results of
-    other verbs by a page. What an interrupted command left may be overwritten. ValueError names the
-    folder and the remedy.
+    `marker`: the JSON file that identifies the verb's results and has their "scenario"; results of
+    other verbs are recognized by a page. Files that an interrupted command left may be overwritten.
+    ValueError names the folder and the remedy.
     """
     if out.exists() and not out.is_dir():
         raise ValueError(f"--out {out}: is a file; name a folder")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Feeds a recording to its boats again: the same bytes must give the same answers, bit for bit.
 
-Exit status: 0 all the same, 1 a difference, 2 a file that cannot be replayed.
+Exit status: 0 if all answers are equal, 1 if one differs, 2 if the file cannot be replayed.
 """
 
 import argparse
@@ -17,7 +17,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Replay it and compare."""
+    """Replay the recording and compare the answers."""
     from sil.lockstep.recording import Recording
     from sil.lockstep.replay import replay
 

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Sails all that the project publishes, the paper's law beside the product's; renews its pages.
+"""Sails all scenarios that the project publishes, with the paper's and the product's law.
 
-Exit status: 0, 1 where a bound is missed or a run failed, 2 for a mistake of the caller, 130
+Then renews the pages of results.
+
+Exit status: 0; 1 if a bound is missed or a run failed; 2 after a mistake of the caller; 130 if
 interrupted.
 """
 
@@ -25,36 +27,44 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--only",
         action="append",
         metavar="NAME",
-        help="this scenario; repeatable. The project's pages are left as they are",
+        help="sail only this scenario; repeatable. The project's pages stay unchanged",
     )
     parser.add_argument(
-        "--seeds", type=arguments.count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"
+        "--seeds",
+        type=arguments.count,
+        default=SEEDS,
+        metavar="N",
+        help=f"number of seeds with mismatch ({SEEDS})",
     )
     arguments.add_workers_to(parser)
     parser.add_argument(
-        "--out", type=Path, default=Path("out/results"), metavar="DIR", help="(out/results)"
+        "--out",
+        type=Path,
+        default=Path("out/results"),
+        metavar="DIR",
+        help="folder of the results (out/results)",
     )
     parser.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="a key of every scenario; repeatable",
+        help="set a key of every scenario; repeatable",
     )
     parser.add_argument(
         "--scalar",
         choices=("double", "q16"),
-        help="in float and in this arithmetic: where do they differ? nothing is written",
+        help="compare float with this arithmetic; writes nothing",
     )
     parser.add_argument(
         "--fleets",
         action="store_true",
-        help="long lines, bad radios and unknown hulls, case by case; nothing is written",
+        help="long lines, bad radios and unknown hulls, case by case; writes nothing",
     )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Sail them."""
+    """Sail the scenarios."""
     from sil.results import results
 
     return results.main(options)

@@ -19,13 +19,17 @@ EXAMPLES = (
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--only", metavar="NAME", help="Flotilla, ILOS, ALOS, Rover or NMPC")
+    parser.add_argument(
+        "--only", metavar="NAME", help="sail only Flotilla, ILOS, ALOS, Rover or NMPC"
+    )
     parser.add_argument("--write", action="store_true", help="renew the page of measurements")
-    parser.add_argument("--tune", metavar="NAME", help="try a grid of gains; best first")
+    parser.add_argument(
+        "--tune", metavar="NAME", help="try a grid of gains of NAME; prints the best first"
+    )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Sail them."""
+    """Sail Flotilla and its rivals."""
     from rich.console import Console
 
     from sil.rivals import rival_table

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Sails a scenario in lockstep, as fast as possible, and leaves a report.
 
-Exit status: 0; 1 where the verdict is red (a boat was in no state that sails, or two came nearer
-than a hull is long) or a boat broke a rule of the firmware; 2 for a mistake of the caller.
+Exit status: 0; 1 if the verdict is red (a boat stopped, or two boats came nearer than a hull's
+length) or a boat broke a rule of the firmware; 2 after a mistake of the caller.
 """
 
 import argparse
@@ -32,12 +32,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_to(parser, out="folder of the results (out/SCENARIO)")
     parser.add_argument(
-        "--mcap", action="store_true", help="leave run.mcap too, for Foxglove, Lichtblick, Rerun"
+        "--mcap", action="store_true", help="also write run.mcap, for Foxglove, Lichtblick, Rerun"
     )
 
 
 def main(options: argparse.Namespace, given: Sequence[str]) -> int:
-    """Sail it; `given` is what the caller typed."""
+    """Sail the scenario; `given`: the command line as the caller typed it."""
     from rich.console import Console
 
     from sil.lockstep.policies import PolicyViolationError
@@ -68,7 +68,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
 
 
 def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Console") -> None:
-    """Warn of a chain of boats that is deeper than certified; four in a line are not looked at."""
+    """Warn of a chain of boats that is deeper than certified; up to four are not checked."""
     if len(chosen.boat) < _CHAIN:
         return
     from sil.certificate.probe import deepest
@@ -88,13 +88,13 @@ def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Cons
                 console.print(f"[bold red]warning: not certified: {too_deep(found)}")
                 return
     except (RunError, ValueError):
-        return  # the run itself says it
+        return  # the run itself reports the error
 
 
 def leave_motion(
     chosen: "Scenario", out: Path, parameters: dict[str, float], console: "Console"
 ) -> None:
-    """Write the table of a voyage that measures a hull; of another run, none stays there."""
+    """Write the table of a voyage that measures a hull; remove an earlier run's table."""
     (out / "motion1.csv").unlink(missing_ok=True)
     if chosen.leader.voyage_room_m is None:
         return
@@ -107,7 +107,7 @@ def leave_motion(
 
 
 def _leave_mcap(out: Path, wanted: bool, console: "Console") -> None:
-    """Write the log of the run in `out`; unwanted, none of an earlier run stays there."""
+    """Write the log of the run in `out`, or remove an earlier run's log if `wanted` is false."""
     path = out / "run.mcap"
     if not wanted:
         path.unlink(missing_ok=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Lists the scenarios that there are, or prints one, to begin one's own with.
+"""Lists the scenarios, or prints one as a start for your own.
 
 `diamond` has every key, with its default, unit and meaning; the others change some of them.
 """
@@ -20,7 +20,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
-    """Print it."""
+    """Print the list or the scenario."""
     from sil.scenario import scenario
 
     if options.scenario is not None:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Shows a fleet on a page in the browser, as it sails now or as it was recorded; it only listens.
+"""Shows a fleet on a page in the browser, live or recorded. It only listens.
 
 SOURCE is a live fleet: mcast:[GROUP:PORT[:ADDRESS]], udpin:HOST:PORT, tcp:HOST:PORT,
-/dev/TTY[:BAUD]; or what was recorded: a tlog, a folder with the tlogs of a boat, one for each link,
-the folder of a run, or that of a campaign, whose worst run is shown.
+/dev/TTY[:BAUD]. Or it is a recording: a tlog; a boat's folder of tlogs, one for each link; the
+folder of a run; or the folder of a campaign, whose worst run is shown.
 """
 
 import argparse
@@ -30,17 +30,20 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--bind",
         default="127.0.0.1:8321",
         metavar="HOST:PORT",
-        help="where the page is served (127.0.0.1:8321, else the next free port; 0: any); with "
+        help="address of the page (127.0.0.1:8321 or the next free port; 0: any port); with "
         "0.0.0.0:8321 everybody who can reach this machine sees it",
     )
     parser.add_argument(
-        "--length", type=_metres, metavar="M", help="of boats (a scenario's, or 1 m)"
+        "--length",
+        type=_metres,
+        metavar="M",
+        help="length of the boats, m (the scenario's, or 1 m)",
     )
     parser.add_argument(
         "--chart",
         type=Path,
         metavar="FILE",
-        help="drawn under the boats: coastlines as GeoJSON, or raster MBTiles",
+        help="chart to draw under the boats: coastlines as GeoJSON, or raster MBTiles",
     )
 
 
@@ -56,14 +59,14 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         chart = None if options.chart is None else Chart(options.chart)
         serve(source_of(options.source, options.length), bind, chart)
     except KeyboardInterrupt:
-        pass  # that is how it ends
+        pass  # Ctrl-C ends the view
     except PageError as error:
         raise ValueError(str(error)) from None
     return 0
 
 
 def source_of(text: str, length_m: float | None) -> "Live | dict[str, Any]":
-    """What there is to be seen; ValueError or OSError where it cannot be."""
+    """Open a live source, or read a recorded one; ValueError or OSError if that fails."""
     from sil.lockstep.recording import MAGIC
     from sil.view.history import LENGTH_M
     from sil.view.live_source import Live
@@ -99,7 +102,7 @@ def _worst_of(folder: Path, length_m: float | None) -> dict[str, Any]:
 
 
 def _metres(text: str) -> float:
-    """A length; ValueError."""
+    """Parse a length in metres; ValueError if it is out of range."""
     length_m = float(text)
     if not 0.0 < length_m < inf:
         raise ValueError(text)

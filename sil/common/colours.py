@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Colours of boats, the same in every picture, page and log."""
+"""The boats' colours, the same in every picture, page and log."""
 
 # Okabe and Ito's palette and Tol's wine: distinguishable with every kind of colour vision
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255")

@@ -21,7 +21,7 @@ def prepare(modules: Sequence[str]) -> None:
 
     The workers are forked from that process because, unlike this one, it has no threads.
     """
-    # From a wheel, the first one makes the others importable there.
+    # In a wheel, importing the first module makes the others importable in that process.
     multiprocessing.set_forkserver_preload(["flotilla_usv", *modules])
     # That process inherits ignored signals: only this one handles Ctrl-C.
     handler = signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""What keeps a boat's computer from sailing, and what to do about it."""
+"""Finds what keeps a boat's computer from sailing, and tells the remedy."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The boat's configuration file and its saved parameters, as far as the doctor needs them.
 
-flotillad itself judges the file (`flotillad --check`); what is read here is only where to look.
+flotillad itself checks the file (`flotillad --check`); the doctor reads only the places to examine.
 """
 
 import subprocess
@@ -37,13 +37,13 @@ class Link:
 
     @property
     def rest(self) -> str:
-        """What follows the scheme."""
+        """The address without the scheme."""
         return self.address.partition(":")[2]
 
 
 @dataclass(frozen=True)
 class Boat:
-    """A boat as its file has it; `parameters`: defaults, then the saved ones, then the file's."""
+    """A boat from its file; `parameters`: defaults, then the saved ones, then the file's."""
 
     can: str = "socketcan:can0"
     links: tuple[Link, ...] = ()
@@ -55,7 +55,7 @@ class Boat:
 
     @property
     def parameter_file(self) -> str:
-        """Where an operator's parameters are saved."""
+        """Path of the file with the operator's parameters."""
         return f"{self.state_dir}/parameters.txt"
 
     @property
@@ -65,7 +65,7 @@ class Boat:
 
 
 def read(computer: Computer, path: str) -> tuple[Boat | None, list[Finding]]:
-    """The boat of the file, None where there is none; what is wrong with the file."""
+    """The boat of the file, None if there is none; findings about the file."""
     file = computer.at(path)
     try:
         text = file.read_bytes()
@@ -82,7 +82,7 @@ def read(computer: Computer, path: str) -> tuple[Boat | None, list[Finding]]:
 
 
 def _judged(computer: Computer, path: str) -> Iterator[Finding]:
-    """What flotillad says of the file."""
+    """Findings from flotillad's own check of the file."""
     program = computer.at(_PROGRAM) if computer.at(_PROGRAM).exists() else FLOTILLAD
     if not program.exists():
         yield bad(_PROGRAM, "there is no flotillad", "install the Debian package: tools/flash")
@@ -130,7 +130,7 @@ def _link(text: str, signing: str) -> Link:
 
 
 def saved(text: str) -> dict[str, float]:
-    """The parameters in a file of flotillad's; none where it is damaged."""
+    """The parameters in a file of flotillad's; none if it is damaged."""
     if not is_whole(text):
         return {}
     pairs = (line.split(" = ") for line in text.splitlines()[1:] if not line.startswith(_CRC))
@@ -138,6 +138,6 @@ def saved(text: str) -> dict[str, float]:
 
 
 def is_whole(text: str) -> bool:
-    """Whether the checksum at the end of a parameter file is that of its text."""
+    """Whether the checksum at the end of a parameter file matches its text."""
     body, separator, told = text.rpartition(_CRC)
     return bool(separator) and told.strip() == f"{zlib.crc32(body.encode()):08X}"

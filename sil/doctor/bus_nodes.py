@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who is on the CAN bus: two motor controllers, healthy, each with an index of its own."""
+"""Checks the nodes on the CAN bus: two healthy motor controllers, each with its own index."""
 
 import time
 from collections import Counter, defaultdict
@@ -21,12 +21,12 @@ from sil.wire.dronecan_transfer import FrameId, Kind, Receiver, message_subject
 
 _HEARD = (NODE_STATUS, ESC_STATUS, RAW_COMMAND, ARMING_STATUS)
 _HEALTH = ("OK", "WARNING", "ERROR", "CRITICAL")
-_ALLOCATION = 1  # data type of dynamic node id allocation, as an anonymous frame has it
+_ALLOCATION = 1  # data type of dynamic node id allocation, as it appears in an anonymous frame
 _POWER = "check their supply, CAN-H and CAN-L, and 120 Ω at both ends of the bus"
 
 
 class Nodes:
-    """What was heard: by node id, or by the index of a motor controller."""
+    """The nodes heard: by node id, or by the index of a motor controller."""
 
     def __init__(self) -> None:
         self.frames = 0
@@ -38,7 +38,7 @@ class Nodes:
         self._receiver = Receiver({message_subject(kind): kind for kind in _HEARD})
 
     def hear(self, message: can.Message, now_us: int) -> None:
-        """Take a frame; frames of other protocols only count."""
+        """Process a frame; frames of other protocols are only counted."""
         self.frames += 1
         if not message.is_extended_id or message.is_error_frame or message.is_remote_frame:
             return
@@ -51,7 +51,7 @@ class Nodes:
         try:
             self._take(frame.type_id, frame.source, payload)
         except ValueError:
-            return  # of another version of the type
+            return  # of another version of the data type
 
     def _take(self, type_id: int, node: int, payload: bytes) -> None:
         if type_id == NODE_STATUS.type_id:
@@ -66,7 +66,7 @@ class Nodes:
 
 
 def listen(bus: can.BusABC, seconds: float) -> Nodes:
-    """Listen to a bus for so long."""
+    """Listen to a bus for `seconds`."""
     nodes = Nodes()
     end_s = time.monotonic() + seconds
     while (left_s := end_s - time.monotonic()) > 0:
@@ -77,7 +77,7 @@ def listen(bus: can.BusABC, seconds: float) -> Nodes:
 
 
 def bus_nodes(boat: Boat, seconds: float) -> Iterator[Finding]:
-    """Listen to the boat's bus and judge."""
+    """Listen to the boat's bus and judge its nodes."""
     scheme, _, channel = boat.can.partition(":")
     try:
         with can.Bus(interface=scheme, channel=channel) as bus:
@@ -89,7 +89,7 @@ def bus_nodes(boat: Boat, seconds: float) -> Iterator[Finding]:
 
 
 def judge(boat: Boat, nodes: Nodes) -> Iterator[Finding]:
-    """What the bus's nodes mean for this boat."""
+    """Findings about the bus's nodes for this boat."""
     own = round(boat.parameters.get("CAN_NODE", 0))
     others = set(nodes.status) - {own}
     if not others and not nodes.escs:

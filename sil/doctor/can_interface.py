@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The CAN interface: there, up, at DroneCAN's rate, without errors, or why not.
+"""Checks the CAN interface: it exists, is up, at DroneCAN's rate, without errors.
 
-Linux tells rate, state and counters by netlink only: `ip -json -details link show`.
+Linux reports rate, state and counters only by netlink: `ip -json -details link show`.
 """
 
 import json
@@ -26,7 +26,7 @@ _WIRES = (
 
 
 def can_interface(computer: Computer, boat: Boat) -> Iterator[Finding]:
-    """What can be said of the bus without listening to it."""
+    """Findings about the bus that need no listening."""
     scheme, _, name = boat.can.partition(":")
     if scheme != "socketcan":
         what = "is a simulated bus: no motor controller hears it"
@@ -53,7 +53,7 @@ def can_interface(computer: Computer, boat: Boat) -> Iterator[Finding]:
 
 
 def details(name: str) -> dict[str, Any]:
-    """What netlink tells of a CAN interface; empty where it tells nothing."""
+    """Netlink's details of a CAN interface; empty if there are none."""
     program = shutil.which("ip")
     if program is None:
         return {}
@@ -75,7 +75,7 @@ def _details(where: str, told: dict[str, Any]) -> Iterator[Finding]:
     data = told.get("info_data", {})
     rate = data.get("bittiming", {}).get("bitrate")
     if rate is None:
-        yield doubt(where, "its bit rate is not told", "apt install iproute2; ip -details link")
+        yield doubt(where, "its bit rate is unknown", "apt install iproute2; ip -details link")
     elif rate != _BIT_RATE:
         yield bad(
             where,

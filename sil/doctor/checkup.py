@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""All that the doctor looks at, in the order in which a boat needs it; the verdict."""
+"""All examinations of the doctor, in the order in which a boat needs them; the verdict."""
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -16,7 +16,7 @@ from sil.doctor.mavlink_links import links
 
 
 def examine(computer: Computer, config: str, seconds: float) -> Iterator[Finding]:
-    """Yield what is found, as it is found. `seconds`: how long the buses are listened to."""
+    """Yield findings as they come; `seconds`: time to listen to each bus."""
     boat, found = boat_file.read(computer, config)
     yield from found
     written = [boat.state_dir, boat.log] if boat else [Boat.state_dir]
@@ -31,7 +31,7 @@ def examine(computer: Computer, config: str, seconds: float) -> Iterator[Finding
     interface = list(can_interface(computer, boat))
     yield from interface
     usable = not any(finding.level is Level.BAD for finding in interface)
-    with ThreadPoolExecutor(2) as pool:  # both only wait
+    with ThreadPoolExecutor(2) as pool:  # both threads only wait
         bus = pool.submit(lambda: list(bus_nodes(boat, seconds)) if usable else [])
         radio = pool.submit(lambda: list(links(computer, boat, seconds)))
         yield from bus.result()
@@ -39,7 +39,7 @@ def examine(computer: Computer, config: str, seconds: float) -> Iterator[Finding
 
 
 def verdict(findings: Sequence[Finding]) -> str:
-    """The first line."""
+    """The verdict: the first line of the report."""
     bad = sum(finding.level is Level.BAD for finding in findings)
     doubts = sum(finding.level is Level.DOUBT for finding in findings)
     if bad:
@@ -67,7 +67,7 @@ def lines(findings: Sequence[Finding]) -> Iterator[str]:
 
 
 def as_json(findings: Sequence[Finding]) -> dict[str, Any]:
-    """The report for a program."""
+    """The report as JSON values, for a program."""
     return {
         "verdict": verdict(findings),
         "ready": not any(finding.level is Level.BAD for finding in findings),

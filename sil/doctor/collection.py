@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""What a report of a fault needs, in one file: findings, configuration, parameters, logs, versions.
+"""Collects everything for a fault report in one file.
 
-Never a key: the signing key's file is left out wherever it lies, and so is every file that holds
-its bytes.
+The file has findings, configuration, parameters, logs and versions, but never a key: the signing
+key's file is left out wherever it is, and so is every file that contains its bytes.
 """
 
 import io
@@ -19,7 +19,7 @@ from sil.doctor.checkup import as_json
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Finding
 
-_MOST_BYTES = 64 << 20  # of logs, the newest first
+_MOST_BYTES = 64 << 20  # limit of the logs, of which the newest come first
 _FILES = ("/etc/os-release", "/etc/systemd/network/60-flotilla-can0.network", "/proc/cpuinfo")
 _COMMANDS = {
     "journal": "journalctl --unit flotillad --lines 5000 --no-pager",
@@ -35,7 +35,7 @@ _COMMANDS = {
 def collect(
     computer: Computer, config: str, boat: Boat | None, findings: Sequence[Finding], out: Path
 ) -> list[str]:
-    """Write the archive; the names in it. OSError if it cannot be written."""
+    """Write the archive; return the names in it. OSError if it cannot be written."""
     secret = _secret(computer, boat)
     names = []
     with tarfile.open(out, "w:gz") as archive:
@@ -50,7 +50,7 @@ def collect(
 
 
 def _secret(computer: Computer, boat: Boat | None) -> list[bytes]:
-    """The signing key in each form in which a file could hold it."""
+    """The signing key in each form that a file could contain."""
     if boat is None or not boat.signing_key:
         return []
     try:
@@ -82,7 +82,7 @@ def _contents(
 
 
 def _logs(folder: Path, key: Path | None) -> Iterator[tuple[str, bytes]]:
-    """The newest logs, as many as fit."""
+    """The newest logs, as many as fit into the limit."""
     files = [path for path in folder.glob("*") if path.is_file() and path != key]
     left = _MOST_BYTES
     for path in sorted(files, key=lambda file: -file.stat().st_mtime):
@@ -95,11 +95,11 @@ def _file(path: Path, name: str) -> Iterator[tuple[str, bytes]]:
     try:
         yield name, path.read_bytes()
     except OSError:
-        return  # there is none, or it is not ours to read: doctor.json says so
+        return  # the folder is missing or unreadable: doctor.json reports that
 
 
 def _said(command: str) -> bytes:
-    """The output of a command, or why there is none."""
+    """The output of a command, or the reason why there is none."""
     words = command.split()
     program = shutil.which(words[0])
     if program is None:

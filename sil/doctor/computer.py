@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The boat's computer as files: what they say, and what the boat's user may do with them.
+"""The boat's computer as files: their content, and the permissions of the boat's user.
 
-Everything is looked up under `root`: / on the boat itself, elsewhere where its card is mounted.
+All paths are looked up under `root`: / on the boat itself, elsewhere the mount point of its card.
 """
 
 import os
@@ -12,7 +12,7 @@ READ, WRITE = 4, 2
 
 
 class Computer:
-    """`user` is whom the service runs as; where there is no such user, we are asked ourselves."""
+    """A computer; `user` runs the service. Without such a user, our own permissions count."""
 
     def __init__(self, root: Path = Path("/"), user: str = "flotilla") -> None:
         self.root = root
@@ -26,25 +26,25 @@ class Computer:
         return self.uid is not None
 
     def at(self, path: str | Path) -> Path:
-        """Where a path of that computer is."""
+        """The place of a path of that computer."""
         return self.root / str(path).lstrip("/")
 
     def read(self, path: str | Path) -> str | None:
-        """The file's text without white space around it; None if it cannot be read."""
+        """The file's text without surrounding white space; None if it cannot be read."""
         try:
             return self.at(path).read_text(encoding="utf-8").strip()
         except (OSError, UnicodeDecodeError):
             return None
 
     def is_hidden(self, path: str | Path) -> bool:
-        """Whether we, who look, may not read it, or not even see whether it is there."""
+        """Whether the doctor itself may not read the path, or cannot even see whether it exists."""
         try:
             return self.at(path).exists() and not os.access(self.at(path), READ)
         except PermissionError:
             return True
 
     def may(self, path: str | Path, wanted: int) -> bool:
-        """Whether the service's user may use it so; OSError if it does not exist."""
+        """Whether the service's user has the `wanted` permission; OSError if there is no path."""
         status = self.at(path).stat()
         if self.uid is None:
             return os.access(self.at(path), wanted)
@@ -56,7 +56,7 @@ class Computer:
         return mode & wanted == wanted
 
     def owner(self, path: str | Path) -> int:
-        """Its owner's number; OSError if it does not exist."""
+        """The owner's user id; OSError if the path does not exist."""
         return self.at(path).stat().st_uid
 
     def _uid_of(self, user: str) -> int | None:

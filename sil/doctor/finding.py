@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""One thing that was looked at: is it in order, and if not, what helps."""
+"""A finding: something examined, whether it is in order, and the remedy if not."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 
 class Level(StrEnum):
-    """How bad it is; DOUBT does not keep a boat from sailing."""
+    """The severity; DOUBT does not keep a boat from sailing."""
 
     OK = "ok"
     DOUBT = "doubt"
@@ -15,7 +15,7 @@ class Level(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """`where`: a file, device, bus or address; `remedy`: empty where nothing is to be done."""
+    """A finding. `where`: a file, device, bus or address; `remedy`: empty if none is needed."""
 
     level: Level
     where: str
@@ -24,15 +24,15 @@ class Finding:
 
 
 def ok(where: str, what: str) -> Finding:
-    """In order."""
+    """A finding that is in order."""
     return Finding(Level.OK, where, what)
 
 
 def doubt(where: str, what: str, remedy: str) -> Finding:
-    """The boat sails, but perhaps not as it should."""
+    """A finding with which the boat sails, but perhaps not as it should."""
     return Finding(Level.DOUBT, where, what, remedy)
 
 
 def bad(where: str, what: str, remedy: str) -> Finding:
-    """The boat does not sail with this."""
+    """A finding with which the boat does not sail."""
     return Finding(Level.BAD, where, what, remedy)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVLink heard on one link while the doctor listens, and the latency of who answers TIMESYNC."""
+"""MAVLink heard on one link while the doctor listens, and the latency of answers to TIMESYNC."""
 
 import os
 import select
@@ -18,15 +18,15 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sil.doctor.boat_file import Link
 from sil.wire.mavlink_mcast import host_and_port
 
-#: The doctor on the radio: a ground station's id, but no station's heartbeat.
+#: The doctor's ids on the radio: a ground station's system id, but it sends no station's heartbeat.
 SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER4
 _ASK_S = 0.25
 _MOST_BYTES = 65536
-Sender = tuple[int, int]  # system and component
+Sender = tuple[int, int]  # system id and component id
 
 
 class Heard:
-    """Senders by system and component: messages by name, latencies; bytes that are no MAVLink."""
+    """Senders by system and component: messages by name, latencies; bytes that are not MAVLink."""
 
     def __init__(self) -> None:
         self.counts: dict[Sender, Counter[str]] = defaultdict(Counter)
@@ -40,7 +40,7 @@ class Heard:
         self._parser.robust_parsing = True
 
     def hear(self, data: bytes, now_ns: int) -> None:
-        """Take bytes as they came."""
+        """Process received bytes."""
         self.bytes += len(data)
         for message in self._parser.parse_buffer(data) or []:
             name = message.get_type()
@@ -55,7 +55,7 @@ class Heard:
         self.unsigned[sender] += not message.get_signed() and name != "RADIO_STATUS"
         if name == "TIMESYNC" and message.tc1 != 0:
             took_s = 1e-9 * (now_ns - message.ts1)
-            if 0.0 <= took_s < 10.0:  # an answer to us, not to another
+            if 0.0 <= took_s < 10.0:  # an answer to the doctor, not to another station
                 self.round_trips_s[sender].append(took_s)
         elif name == "NAMED_VALUE_FLOAT":
             self.last[sender[0], str(message.name)] = message.value
@@ -65,16 +65,16 @@ class Heard:
             self.last[sender[0], name] = message
 
     def latency_s(self, sender: Sender) -> float | None:
-        """Half of the usual way there and back; None without an answer."""
+        """Half of the median round-trip time; None without an answer."""
         trips = self.round_trips_s.get(sender)
         return median(trips) / 2 if trips else None
 
 
 class Post:
-    """An open link. OSError if it cannot be opened, ValueError if its address is none.
+    """An open link. OSError if it cannot be opened, ValueError if its address is invalid.
 
-    `device` is where a serial line is on this computer. `ask`: talk to who waits at a udpin
-    address, as another program of this computer.
+    `device`: path of a serial line on this computer. `ask`: send to the process that waits at a
+    udpin address, like another program of this computer.
     """
 
     def __init__(self, link: Link, device: Path = Path(), *, ask: bool = False) -> None:
@@ -100,30 +100,30 @@ class Post:
         self._end = self._socket.fileno()
 
     def fileno(self) -> int:
-        """For select."""
+        """The descriptor, for select."""
         return self._end
 
     def close(self) -> None:
-        """Let others have it."""
+        """Close the link, so that others can use it."""
         if self._socket is None:
             os.close(self._end)
         else:
             self._socket.close()
 
     def take(self) -> None:
-        """Hear what has come."""
+        """Process everything received."""
         try:
             if self._socket is None:
                 data = os.read(self._end, _MOST_BYTES)
             else:
                 data, peer = self._socket.recvfrom(_MOST_BYTES)
                 self._peers.add(peer)
-        except OSError:  # nobody there yet
+        except OSError:  # nobody is there yet
             return
         self.heard.hear(data, time.monotonic_ns())
 
     def ask(self, key: bytes | None) -> None:
-        """Ask everybody for the time, and show that we are there."""
+        """Send TIMESYNC and a heartbeat to all peers."""
         if key is not None:
             self._mouth.signing.secret_key = key
             self._mouth.signing.sign_outgoing = True
@@ -143,11 +143,11 @@ class Post:
             for peer in self._peers if self._socket is not None else ():
                 self._socket.sendto(data, peer)  # type: ignore[union-attr]
         except OSError:
-            return  # a peer that has gone; silence is what is judged
+            return  # the peer is gone; its silence is judged later
 
 
 def listen(posts: Sequence[Post], seconds: float, key: bytes | None = None) -> None:
-    """Hear all links for so long, asking for the time again and again."""
+    """Listen to all links for `seconds`, and send time requests again and again."""
     end_s = time.monotonic() + seconds
     ask_s = 0.0
     while (now_s := time.monotonic()) < end_s:
@@ -161,7 +161,7 @@ def listen(posts: Sequence[Post], seconds: float, key: bytes | None = None) -> N
 
 
 def _open_line(device: Path, baud: str) -> int:
-    """A serial line, both ways."""
+    """Open a serial line for reading and writing."""
     speed = getattr(termios, f"B{baud}", None)
     if speed is None:
         raise ValueError(f"{baud} is not a speed of a serial line")

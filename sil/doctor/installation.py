@@ -17,7 +17,7 @@ _OTHERS = 0o077
 
 
 def service(computer: Computer) -> Iterator[Finding]:
-    """Whether it is installed, has its user, and starts with the computer."""
+    """Whether the service is installed, has its user, and starts with the computer."""
     etc = computer.at(_ETC)
     if etc.is_symlink() and os.readlink(etc) == "/dev/null":
         yield bad(_NAME, "is masked: it cannot start", f"sudo systemctl unmask {_NAME}")
@@ -29,12 +29,12 @@ def service(computer: Computer) -> Iterator[Finding]:
     else:
         yield ok(_NAME, "starts with the computer")
     if not computer.has_user:
-        remedy = "sudo systemd-sysusers flotillad.conf, or install the Debian package anew"
+        remedy = "sudo systemd-sysusers flotillad.conf, or reinstall the Debian package"
         yield bad("user", f"there is no user {computer.user}", remedy)
 
 
 def groups(computer: Computer, boat: Boat) -> Iterator[Finding]:
-    """Whether the user may use what belongs to a group."""
+    """Whether the user may use devices that belong to a group."""
     wanted = {"dialout": any(link.scheme == "serial" for link in boat.links)}
     wanted["gpio"] = bool(boat.stop_gpio)
     for name, needed in wanted.items():
@@ -69,7 +69,7 @@ def folders(computer: Computer, boat: Boat) -> Iterator[Finding]:
 
 
 def parameters(computer: Computer, boat: Boat) -> Iterator[Finding]:
-    """Whether somebody has set up this boat."""
+    """Whether the boat has saved parameters of its own."""
     path = boat.parameter_file
     confirm = (
         "set the boat's parameters in the ground station and save them (MAV_CMD_PREFLIGHT_STORAGE)"
@@ -90,11 +90,11 @@ def parameters(computer: Computer, boat: Boat) -> Iterator[Finding]:
 
 
 def signing_key(computer: Computer, boat: Boat) -> Iterator[Finding]:
-    """Whether the key is there, secret, and one."""
+    """Whether the key exists, is valid, and is readable by its owner only."""
     path = boat.signing_key
     if not path:
         what = "there is no key: anybody in range can command the boat"
-        remedy = "signing-key in the configuration file; firmware/docs/MAVLINK.md says how"
+        remedy = "signing-key in the configuration file; see firmware/docs/MAVLINK.md"
         yield doubt("signing", what, remedy)
         return
     own = f"sudo chown {computer.user} {path} && sudo chmod 600 {path}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What was heard on the boat's MAVLink links: who, how often, how late, signed or not."""
+"""Judges the senders on the boat's MAVLink links: who, how often, how late, signed or not."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,14 +8,14 @@ from sil.doctor.finding import Finding, bad, doubt, ok
 from sil.doctor.heard import Heard, Sender
 
 _PLACES = ("LOCAL_POSITION_NED", "GLOBAL_POSITION_INT")
-_LEAST_HZ = 9.0  # of a unit that is set to 10
+_LEAST_HZ = 9.0  # least rate of a unit that is set to 10 Hz
 _LATE_S = 0.2
 _DAMAGED = 0.05
 _UNIT = "its cable and speed in baud; its MAVLink output must be on (firmware/docs/AUTOPILOT.md)"
 
 
 def judge_links(boat: Boat, heard: Sequence[tuple[Link, Heard]]) -> Iterator[Finding]:
-    """The links, for a boat whose flotillad does not run."""
+    """Findings about each link, for a boat whose flotillad does not run."""
     for link, one in heard:
         yield from _noise(link, one)
         yield from _signatures(boat, link, one)
@@ -25,7 +25,7 @@ def judge_links(boat: Boat, heard: Sequence[tuple[Link, Heard]]) -> Iterator[Fin
 def judge_senders(
     boat: Boat, heard: Sequence[tuple[Link, Heard]], seconds: float
 ) -> Iterator[Finding]:
-    """Whether navigation unit and leader are heard, on all links together."""
+    """Findings about navigation unit and leader, over all links together."""
     yield from _unit(boat, heard, seconds)
     leader = round(boat.parameters.get("FORM_LEADER", 0))
     if not any(sender[0] == leader for _, one in heard for sender in one.counts):
@@ -38,13 +38,11 @@ def judge_senders(
 
 def _noise(link: Link, heard: Heard) -> Iterator[Finding]:
     if heard.bytes == 0:
-        yield doubt(
-            link.address, "nothing is heard", "check the power and address of who sends there"
-        )
+        yield doubt(link.address, "nothing is heard", "check the power and address of the sender")
     elif heard.damaged > _DAMAGED * heard.bytes:
         share = 100.0 * heard.damaged / heard.bytes
         remedy = "check the speed in baud at both ends, the cable, and that nobody else reads it"
-        yield bad(link.address, f"{share:.0f} % of what is heard is no MAVLink", remedy)
+        yield bad(link.address, f"{share:.0f} % of the received bytes are no MAVLink", remedy)
     else:
         systems = sorted({sender[0] for sender in heard.counts})
         yield ok(link.address, f"systems heard: {', '.join(map(str, systems))}")
@@ -80,7 +78,7 @@ def _namesake(boat: Boat, heard: Sequence[tuple[Link, Heard]]) -> Iterator[Findi
 
 
 def _boats(heard: Heard) -> set[Sender]:
-    """Who sends a heartbeat and what only who steers a boat has to tell."""
+    """Senders of both a heartbeat and messages that only a boat's control program sends."""
     ours = ("POSITION_TARGET_LOCAL_NED", "NAV_CONTROLLER_OUTPUT")
     return {
         sender
@@ -125,7 +123,7 @@ def _unit(boat: Boat, heard: Sequence[tuple[Link, Heard]], seconds: float) -> It
 
 
 def latency(where: str, who: str, late_s: float) -> Finding:
-    """How late messages of `who` are."""
+    """Finding about the latency of messages of `who`."""
     told = f"{who}: a message takes {1000 * late_s:.0f} ms"
     if late_s > _LATE_S:
         remedy = "a faster link, fewer messages on it, or less between: routers, USB hubs, radios"

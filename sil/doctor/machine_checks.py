@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The computer itself: clock, disk, memory, speed, supply."""
+"""Checks the computer itself: clock, disk, memory, speed, supply."""
 
 import os
 import time
@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Finding, bad, doubt, ok
 
-_RELEASED_S = 1_767_225_600  # 2026-01-01: no boat has run this before
+_RELEASED_S = 1_767_225_600  # 2026-01-01: no boat has run this program before
 _LEAST_DISK_MB, _LITTLE_DISK_MB = 100, 2_000
 _LEAST_MEMORY_MB = 100
 _HOT_C = 80.0
-#: Files of programs that have set the clock by the network.
+#: Files that programs leave after they have set the clock by the network.
 _SYNCHRONISED = (
     "/run/systemd/timesync/synchronized",
     "/run/chrony/chronyd.pid",
@@ -25,7 +25,10 @@ _NOW, _EARLIER = 0xF, 0xF0000
 def machine(
     computer: Computer, folders: Sequence[str], now_s: float | None = None
 ) -> Iterator[Finding]:
-    """`folders`: where the boat writes; `now_s`: Unix time, that of the clock."""
+    """Findings about the computer.
+
+    `folders`: those that the boat writes to; `now_s`: Unix time, by default the clock's.
+    """
     yield from _clock(computer, time.time() if now_s is None else now_s)
     for folder in dict.fromkeys(folders):
         yield from _disk(computer, folder)

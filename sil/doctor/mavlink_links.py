@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The boat's MAVLink links: opened and listened to; `link_judge` judges what is heard.
 
-While flotillad runs it has the links: then it is asked itself, as a program of its computer.
+While flotillad runs, it owns the links; then the doctor sends its requests to flotillad.
 """
 
 import errno
@@ -18,7 +18,7 @@ from sil.wire.heartbeat import state_of
 
 
 def links(computer: Computer, boat: Boat, seconds: float) -> Iterator[Finding]:
-    """Open what can be opened, listen, and judge."""
+    """Open all links that can be opened, listen, and judge."""
     running = is_running(computer)
     door = _Door(computer)
     try:
@@ -29,7 +29,7 @@ def links(computer: Computer, boat: Boat, seconds: float) -> Iterator[Finding]:
             yield from _ask(boat, door.held[0], seconds, key)
         elif running:
             remedy = 'add "udpin:127.0.0.1:14550,signing=off" to mavlink in the configuration file'
-            yield doubt("flotillad", "runs, and has no link at which it can be asked", remedy)
+            yield doubt("flotillad", "runs, but no link of it accepts requests", remedy)
         elif door.posts:
             listen(door.posts, seconds, key)
             heard = [(post.link, post.heard) for post in door.posts]
@@ -42,7 +42,10 @@ def links(computer: Computer, boat: Boat, seconds: float) -> Iterator[Finding]:
 
 
 class _Door:
-    """Opens links: `posts` are open, `held` another program has, `deaf`: one is not for us."""
+    """Opens links.
+
+    `posts`: open links. `held`: links that another program owns. `deaf`: a link needs more rights.
+    """
 
     def __init__(self, computer: Computer) -> None:
         self._computer = computer
@@ -51,7 +54,7 @@ class _Door:
         self.deaf = False
 
     def open(self, link: Link, *, running: bool) -> Iterator[Finding]:
-        """Open it, or say why not; a serial line that a running flotillad has is left alone."""
+        """Open a link, or report why it fails; leaves alone a serial line that flotillad uses."""
         if link.scheme == "udpbcast":
             return  # it only sends
         if link.scheme == "serial":
@@ -79,7 +82,7 @@ class _Door:
 
 
 def is_running(computer: Computer) -> bool:
-    """Whether a flotillad runs there."""
+    """Whether a flotillad runs on that computer."""
     return any(
         computer.read(path.relative_to(computer.root)) == "flotillad"
         for path in computer.at("/proc").glob("[0-9]*/comm")
@@ -100,7 +103,7 @@ def _line_trouble(computer: Computer, link: Link) -> Finding | None:
 
 
 def _key(computer: Computer, boat: Boat) -> bytes | None:
-    """The signing key, where there is one that we may read."""
+    """The signing key, None if there is none or it is unreadable."""
     if not boat.signing_key:
         return None
     try:
@@ -111,7 +114,7 @@ def _key(computer: Computer, boat: Boat) -> bytes | None:
 
 
 def _ask(boat: Boat, link: Link, seconds: float, key: bytes | None) -> Iterator[Finding]:
-    """Ask the flotillad that has the links."""
+    """Send requests to the flotillad that owns the links."""
     post = Post(link, ask=True)
     try:
         listen([post], max(seconds, 2.5), key if link.signing != "off" else None)

@@ -19,7 +19,7 @@ def table() -> str:
 
 
 def _value(kind: Kind) -> str:
-    """Unit and limits, but none that only guard against absurd numbers."""
+    """Unit and limits, without limits that only guard against absurd numbers."""
     if not kind.unit:
         return "–"
     if kind.greatest < _ABSURD:

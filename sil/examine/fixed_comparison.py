@@ -119,7 +119,7 @@ def tables(rows: list[MeasuredFunction]) -> list[Table]:
 
 
 def main() -> int:
-    """Exit status 1 if an error of ours reaches one LSB."""
+    """Run the comparison; exit status 1 if an error of our functions reaches one LSB."""
     rows = measure(ARGUMENTS)
     Console().print(*tables(rows), sep="\n")
     return 0 if all(row.error < 1 for row in rows) else 1

@@ -22,7 +22,7 @@ from sil.scenario.scenario import FOLDER
 
 _LONGEST_S = 30.0
 _NONE = "no digest: "
-_FINE = (0, 77)  # 77: skipped for want of vcan
+_FINE = (0, 77)  # 77: skipped because there is no vcan
 Task = tuple[str, int]  # scenario, number of the run
 # The commands of tools/test, except those whose result depends on the sources alone.
 SUITE = (
@@ -42,9 +42,10 @@ def digest_of(task: Task) -> str:
 
 
 def lockstep(runs: int, console: Console, digest: Callable[[Task], str] = digest_of) -> int:
-    """Sail every scenario in turn, `runs` in all; how many runs differ from their scenario's first.
+    """Sail every scenario in turn, `runs` in all; return how many runs differ from the first.
 
-    A failed run counts as different, even if it fails every time.
+    A failed run counts as different, even if it fails every time. Each run is compared with the
+    first run of its scenario.
     """
     names = sorted(path.stem for path in FOLDER.glob("*.toml"))
     tasks: list[Task] = [(names[i % len(names)], i) for i in range(runs)]
@@ -73,9 +74,9 @@ def lockstep(runs: int, console: Console, digest: Callable[[Task], str] = digest
 def suite(
     rounds: int, log: Path, console: Console, commands: Sequence[Sequence[str]] = SUITE
 ) -> int:
-    """Run all tests `rounds` times; how many rounds failed. Their output goes to `log`.
+    """Run all tests `rounds` times; return the number of rounds that failed. Output goes to `log`.
 
-    The commands of a round run in parallel: that is faster, and the load exposes more.
+    The commands of a round run in parallel: that is faster, and the load exposes more failures.
     """
     log.parent.mkdir(parents=True, exist_ok=True)
     failed = 0
@@ -98,19 +99,21 @@ def suite(
 
 
 def _run(command: Sequence[str]) -> subprocess.CompletedProcess[bytes]:
-    # ours, by name
+    # our own tests, by name
     return subprocess.run(  # noqa: S603
         command, check=False, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     )
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Exit status: 0 if everything was reproducible, else 1."""
+    """Run the module's command line; exit status 0 if everything was reproducible, else 1."""
     parser = argparse.ArgumentParser(prog="tools/flakes", description=__doc__)
     parser.add_argument(
-        "--suite", type=int, default=20, metavar="N", help="rounds of all tests (20)"
+        "--suite", type=int, default=20, metavar="N", help="number of rounds of all tests (20)"
     )
-    parser.add_argument("--lockstep", type=int, default=1000, metavar="N", help="runs (1000)")
+    parser.add_argument(
+        "--lockstep", type=int, default=1000, metavar="N", help="number of runs (1000)"
+    )
     options = parser.parse_args(arguments)
     console = Console()
     passed = failed = 0

@@ -15,7 +15,7 @@ MEANINGS = {
     "conditions": "each [condition](../../firmware/docs/SUPERVISOR.md#conditions): is it met?",
     "own_age_s": "age of the own state; `None`: no state, or its age is unknown",
     "leader_age_s": "age of the leader's state, likewise",
-    "leader_uncertainty_m": "how far the leader may be from where the boat places it",
+    "leader_uncertainty_m": "greatest error of the leader's position as the boat estimates it",
     "reference_age_s": "age of the formation's reference; `None`: the boat does not follow one",
     "unknown": "surge force and yaw moment that the vessel model does not explain",
     "current_mps": "estimated velocity of the water",
@@ -24,7 +24,7 @@ MEANINGS = {
     "in_slot": "in FORMATION: the boat is in its slot; otherwise it is closing up",
     "virtual_velocity": "velocity that the law asks for",
     "wrench_asked": "surge force and yaw moment that the law asks for",
-    "wrench_given": "what the two propellers give of it",
+    "wrench_given": "the part of it that the two propellers give",
     "limited": "which limits acted; `yielding`: the boat gives way to another vessel",
     "slot_needs": "speed and yaw rate that the slot needs where they are over `LAW_U_MAX` or "
     "`LAW_R_MAX`, otherwise 0",

@@ -87,7 +87,7 @@ def seen(text: str, run: str) -> dict[str, Most]:
 
 
 def merged(a: Mapping[str, Most], b: Mapping[str, Most]) -> dict[str, Most]:
-    """The greater of both, by file."""
+    """The greater of the two maxima, by file."""
     both = dict(a)
     for file, most in b.items():
         if file not in both or both[file].magnitude < most.magnitude:
@@ -150,9 +150,12 @@ def for_terminal(found: Iterable[FileRange]) -> Table:
 
 
 def main(arguments: list[str]) -> int:
-    """Exit status: 0; 1 if a file's numbers exceed its stated range, or that has no margin."""
+    """Run the module's command line; exit status 1 if a file exceeds its range.
+
+    It is also 1 if a stated range has no margin, else 0.
+    """
     parser = argparse.ArgumentParser(prog="tools/fixed --ranges", description=__doc__)
-    parser.add_argument("--seconds", type=float, default=300.0, help="of each run, at most (300)")
+    parser.add_argument("--seconds", type=float, default=300.0, help="limit of each run, s (300)")
     options = parser.parse_args(arguments)
     console = Console()
     most: dict[str, Most] = {}

@@ -13,7 +13,7 @@ PUSHING = ("MANUAL", "FORMATION", "COAST", "AUTO", "GUIDED", "LOITER", "RTL", "T
 MODES = ("MANUAL", "FORMATION", "AUTO", "GUIDED", "LOITER", "RTL")
 ASKED = {mode: mode for mode in MODES} | {"TEST": "test"}
 BY_LAW = ("FORMATION", "AUTO", "GUIDED", "LOITER", "RTL")
-#: What is lost, by the parameter that says what follows.
+#: The loss, by the parameter that determines the reaction.
 LOSSES = {
     "FS_LEADER_ACT": "leader_fresh",
     "FS_GCS_ACT": "gcs_heard",
@@ -24,7 +24,7 @@ NAMES = tuple(c["name"] for c in flotilla.supervisor_conditions())
 
 
 def after(state: str, request: str, lost: Iterable[str] = (), chosen: Iterable[str] = ()) -> str:
-    """The state after a request when only `lost` is unmet, by the default choices and `chosen`."""
+    """The state after a request if only `lost` is unmet, with the default choices and `chosen`."""
     met = [name for name in NAMES if name not in lost]
     return str(flotilla.supervise(state, request, [*met, *chosen])["state"])
 
@@ -61,7 +61,7 @@ def stills(state: str, name: str) -> bool:
 
 
 def way_back(state: str, fallen: str) -> str:
-    """How a boat that fell from a state returns to it once all conditions are met."""
+    """The way in which a boat returns to a state after a loss, once all conditions are met."""
     if after(fallen, "nothing") == state:
         return "by itself"
     request = ASKED.get(state, "nothing")
@@ -89,7 +89,7 @@ def loss_table() -> str:
 
 
 def choice_table() -> str:
-    """The effect of each failsafe choice when what it is for is lost."""
+    """The effect of each failsafe choice at the loss to which it applies."""
     rows = []
     for choice in flotilla.supervisor_choices():
         parameter = choice["name"]

@@ -23,7 +23,7 @@ from sil.live.parameter_file import set_up
 
 SECONDS, STEP_S = 40.0, 0.02
 BOAT, LEADER, OPERATOR = 1, 100, 255  # MAVLink system ids
-SLOT_NORTH_M, SLOT_EAST_M = -3.0, 2.0  # of the leader
+SLOT_NORTH_M, SLOT_EAST_M = -3.0, 2.0  # relative to the leader
 ORIGIN = (473977420, 85455940, 400000)  # latitude, longitude degE7, altitude mm: north 0, east 0
 FULL_N, ARM_M = 20.0, 0.25  # thrust of a propeller at full command; half the distance between them
 RAW_FULL = 8191
@@ -92,7 +92,7 @@ def now_ms() -> int:
 def send_state(
     unit: mavutil.mavlink.MAVLink, pose: tuple[float, ...], nu: tuple[float, ...]
 ) -> None:
-    """Send a vessel's state; the boat's navigation unit and the leader do it alike."""
+    """Send a vessel's state; used for the boat's navigation unit and for the leader."""
     (north, east, psi), (u, v, r) = pose, nu
     velocity = (u * math.cos(psi) - v * math.sin(psi), u * math.sin(psi) + v * math.cos(psi))
     unit.attitude_send(now_ms(), 0.0, 0.0, psi, 0.0, 0.0, r)
@@ -100,7 +100,7 @@ def send_state(
 
 
 def send_identity(unit: mavutil.mavlink.MAVLink) -> None:
-    """Send what changes seldom: that the vessel is there, and where north 0, east 0 is."""
+    """Send messages that change seldom: the vessel's heartbeat, and the place of the origin."""
     unit.heartbeat_send(0, mavutil.mavlink.MAV_AUTOPILOT_GENERIC, 0, 0, 0)
     unit.gps_global_origin_send(*ORIGIN)
 

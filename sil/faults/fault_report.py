@@ -29,7 +29,7 @@ def table(outcomes: Sequence[Outcome]) -> Table:
 
 
 def soak_table(soaked: Soaked) -> Table:
-    """How often each fault occurred, and the slowest recovery of all boats to FORMATION."""
+    """The number of each fault, and the slowest recovery of all boats to FORMATION."""
     out = Table("fault", "times", "slowest recovery, s", title="soak")
     for kind, times in sorted(soaked.faults.items()):
         out.add_row(kind, str(times), f"{soaked.slowest_s.get(kind, float('nan')):.1f}")
@@ -37,7 +37,7 @@ def soak_table(soaked: Soaked) -> Table:
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:
-    """The last line."""
+    """The summary: the last line."""
     passed = sum(one.passed for one in outcomes)
     return f"{passed} passed, {len(outcomes) - passed} failed"
 

@@ -2,8 +2,8 @@
 """The live rows of the matrix of faults: a flotillad process on vcan0, in real time.
 
 python -m sil.faults.live_matrix sails them, under tools/with-vcan if there is no vcan0, and prints
-each outcome; the last line is `N passed, N failed`. Exit status: 0 all passed, 1 some failed, 2
-they could not be sailed, 77 no vcan is available.
+each outcome; the last line is `N passed, N failed`. Exit status: 0 if all passed, 1 if some failed,
+2 if they could not be sailed, 77 if no vcan is available.
 """
 
 import argparse
@@ -38,16 +38,16 @@ _SPEAK_S = 0.5
 
 
 class NoVcanError(RuntimeError):
-    """Live rows need a vcan interface; the text gives the reason that there is none."""
+    """Live rows need a vcan interface; the text gives the reason why there is none."""
 
 
 class Row(Section):
     """A fault that lasts `for_s`, and its limits.
 
-    Within `detected_s` it is detected: the boat leaves FORMATION or its propellers stop; if `state`
-    is FORMATION, the operator is told. `state`: the boat's state after the fault, before anybody
-    helps. No thrust later than `off_s` after the detection. The boat has recovered within
-    `recovered_s` of the fault's end.
+    The fault must be detected within `detected_s`: the boat leaves FORMATION or its propellers
+    stop; if `state` is FORMATION, the operator is told. `state`: the boat's state after the fault,
+    before anybody helps. There must be no thrust later than `off_s` after the detection. The boat
+    must recover within `recovered_s` of the fault's end.
     """
 
     name: str
@@ -93,7 +93,7 @@ def sail() -> Iterator[Outcome]:
 
 def _sail(outing: LiveOuting, row: Row, strike: Strike) -> Outcome:
     outing.run_for(_SETTLE_S)
-    if not outing.drives():  # on a late machine the boat may have stopped
+    if not outing.drives():  # on a slow machine the boat may have stopped
         outing.help(outing.drives, 10.0)
     why = [] if outing.drives() else [f"{outing.state} before anything went wrong"]
     begin_us = now_us()

@@ -24,7 +24,7 @@ _PATIENCE_S = 20.0
 _LONGEST_S = 300.0
 _FRAME = struct.Struct("=IB3x8s")
 _SUBJECT_MASK = 0xFFFF80
-#: A machine with other things to do is late now and then; a second without a word is a second.
+#: A busy machine is late now and then; a second of silence is still a second.
 _PARAMETERS = {"FS_NAV_S": 0.7, "FS_LEADER_S": 3.0, "FS_ESC_S": 3.0}
 
 
@@ -161,7 +161,7 @@ class LiveOuting(LiveWorld):
         return not any(self.boat.command(now_us()))
 
     def help(self, well: Callable[[], bool], seconds: float) -> float | None:
-        """As operator, disarm, arm and set FORMATION until `well`; seconds taken, None: in vain."""
+        """As operator, disarm, arm and set FORMATION until `well`; the time, s, None if in vain."""
         asked_us = 0
 
         def there() -> bool:
@@ -179,7 +179,7 @@ class LiveOuting(LiveWorld):
 
 
 def greatest_N(thrust_N: Sequence[tuple[int, float]], from_us: int, to_us: int) -> float:
-    """The greatest thrust between two times, us; 0 without any."""
+    """The greatest thrust between two times, us; 0 if there was none."""
     return max((level for t_us, level in thrust_N if from_us <= t_us <= to_us), default=0.0)
 
 

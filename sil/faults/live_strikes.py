@@ -31,7 +31,7 @@ def _words(outing: LiveOuting) -> str:
 
 
 def _bus_untold(outing: LiveOuting) -> str:
-    # other lines may follow, of late ticks on a busy machine
+    # other lines may follow, about late ticks on a busy machine
     told = [line for line in _words(outing).splitlines() if INTERFACE in line]
     is_told = bool(told) and "is down or not there" in told[-1]  # ": no such interface" may follow
     return "" if is_told else "flotillad does not say that its bus is down"
@@ -43,7 +43,7 @@ def _left(outing: LiveOuting) -> bool:
 
 @dataclass(frozen=True)
 class Strike:
-    """How a fault begins and ends, when it counts as detected, what is wrong during it.
+    """How a fault begins and ends, when it counts as detected, and errors during it.
 
     `well`: whether the boat has recovered, with the operator's help.
     """
@@ -92,9 +92,9 @@ def _restart_controller(outing: LiveOuting) -> None:
 
 
 def _link(kind: int, flags: int = 0, change: int = 0) -> Callable[[LiveOuting], None]:
-    """Change the interface by rtnetlink(7), finished on return.
+    """Change the interface by rtnetlink(7); the change is complete on return.
 
-    Starting ip(8) instead would take time during which the boat sails on.
+    Starting ip(8) instead would take time, during which the boat sails on.
     """
 
     def ask(_: LiveOuting) -> None:
@@ -143,7 +143,7 @@ def _empty(outing: LiveOuting) -> None:
 
 
 def _half_written(outing: LiveOuting) -> str:
-    """Which file is incomplete: saved parameters must be whole, logs end with a whole line."""
+    """An incomplete file's name: saved parameters must be whole, logs end with a whole line."""
     for log in outing.disk.glob("log/*.log"):
         if not log.read_bytes().endswith(b"\n"):
             return f"{log.name} ends within a line"

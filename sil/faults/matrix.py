@@ -41,7 +41,7 @@ def sail_all(rows: Sequence[Row], progress: Progress = lambda _: None) -> list[O
 
 
 def _heard(row: Row, texts: Sequence[str], outcome: Outcome) -> Outcome:
-    """The outcome, failed where the boat did not send the row's words."""
+    """The outcome, changed to failed if the boat did not send the row's words."""
     if row.told is None or any(row.told in text for text in texts):
         return outcome
     why = f'"{row.told}" was not told, but {sorted(set(texts))}'
@@ -125,7 +125,7 @@ class _Seen:
             self._why.append("back in FORMATION before the operator's command")
 
     def _check_way_home(self) -> None:
-        """The sticks must drive it at the end, but not before they were at neutral."""
+        """The sticks must drive the boat at the end, but not before they were at neutral."""
         if self._row.home_s is None:
             return
         manual = self._states == STATES["MANUAL"]

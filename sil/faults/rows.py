@@ -31,16 +31,17 @@ State = Literal[
 class Row(Section):
     """A fault, or several at once, and the required response of `boat`.
 
-    `states`: the states it may change to within `detected_s` of the beginning; "FORMATION" allows
-    it to go on. `then`: the state that must follow within `then_s`. No thrust later than `off_s`
-    after HOLD, FAULT or DISARMED began, except for the ESC `but`, which takes no commands. In COAST
-    thrust never rises. `error_m`: the greatest distance from the slot while it is in FORMATION
-    without help. Within `recovered_s` of the fault's end (of its beginning, if it has no end) it is
-    back in FORMATION: by itself, or by an `operator` who disarms, arms and sets FORMATION, and
-    never before that. `hold_s`: the operator sets HOLD that long after the fault's beginning.
-    `home_s`: that long after it the operator arms the boat, from FAULT too, and drives it by sticks
-    that are centred 2 s later: only then may it push. `told`: words of a STATUSTEXT that it must
-    send after the beginning. `fence_m`: its FS_FENCE_M; the fault is then that it leaves its fence.
+    `states`: the states to which it may change within `detected_s` of the beginning; "FORMATION"
+    allows it to go on. `then`: the state that must follow within `then_s`. There must be no thrust
+    later than `off_s` after HOLD, FAULT or DISARMED began, except at the ESC `but`, which takes no
+    commands. In COAST thrust must never rise. `error_m`: the greatest distance from the slot while
+    the boat is in FORMATION without help. Within `recovered_s` of the fault's end (of its
+    beginning, if it has no end) it must be back in FORMATION: by itself, or by an `operator` who
+    disarms, arms and sets FORMATION, but never before. `hold_s`: the operator sets HOLD that long
+    after the fault's beginning. `home_s`: that long after the beginning the operator arms the boat,
+    even from FAULT, and drives it by sticks that are centred 2 s later; only then may it give
+    thrust. `told`: words of a STATUSTEXT that it must send after the beginning. `fence_m`: its
+    FS_FENCE_M; the fault is then that the boat leaves its fence.
     """
 
     name: Annotated[str, Field(pattern="^[a-z0-9_]+$")]

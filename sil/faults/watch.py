@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is seen of the boats while a matrix of faults is sailed, and the operator who helps."""
+"""Observes the boats while a matrix of faults is sailed; contains the operator who helps."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -16,18 +16,18 @@ from sil.wire.mavlink_frames import frames
 from sil.wire.operator import Operator, mode_request, next_request
 
 _RETRY_S, _STICKS_S = 0.5, 0.1
-#: After `home_s`: the sticks are ahead, then at neutral, then ahead again.
+#: Sticks after `home_s`: ahead, then at neutral, then ahead again.
 CENTRED_S, AHEAD_S = 2.0, 2.3
 States = npt.NDArray[np.uint8]
 STATES: dict[str, int] = {name: i for i, name in enumerate(flotilla.STATES)}
 
 
 class Watch:
-    """What happens to each row's boat.
+    """The history of each row's boat.
 
-    Its `states` (rows, ticks), what its motors are told (rows, ticks, 2), and for rows with `told`
-    the STATUSTEXT `texts` since the fault began. The operator asks every half a second from a
-    fault's end on, where a row has one.
+    Its `states` (rows, ticks), the commands to its motors (rows, ticks, 2), and for rows with
+    `told` the STATUSTEXT `texts` since the fault began. If a row has an operator, requests are sent
+    every half second from the fault's end on.
     """
 
     def __init__(self, rows: Sequence[Row], ticks: int) -> None:
@@ -37,7 +37,7 @@ class Watch:
         self.texts: list[list[str]] = [[] for _ in rows]
 
     def __call__(self, batch: Batch, members: Sequence[int], tick: int, t_us: int) -> None:
-        """Tick `tick` of those rows has been."""
+        """Record tick `tick` of these rows."""
         states, t_s = batch.states, 1e-6 * tick * batch.h_us
         for run, member in enumerate(members):
             row = self._rows[member]
@@ -67,19 +67,19 @@ class Watch:
 def ask(
     batch: Batch, agents: Iterable[int], states: Sequence[int], t_us: int, mode: int = FORMATION
 ) -> None:
-    """The next step into FORMATION, or another mode, for each of these boats that is not armed."""
+    """Request the next step towards `mode` for each of these boats that has not reached it."""
     for agent, state in zip(agents, states, strict=True):
         if request := next_request(flotilla.STATES[state], mode):
             batch.fleet.command([agent], t_us, *request)
 
 
 def set_mode(batch: Batch, agent: int, mode: int, t_us: int) -> None:
-    """The operator asks an agent of the fleet for a mode."""
+    """Send the operator's request for a mode to an agent of the fleet."""
     batch.fleet.command([agent], t_us, *mode_request(mode))
 
 
 def _texts(sent: bytes) -> Iterator[str]:
-    """The STATUSTEXTs in what a boat sent in a tick."""
+    """The STATUSTEXTs among the bytes that a boat sent in a tick."""
     for message_id, _, _, frame in frames(sent):
         if message_id == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
             yield mavlink.MAVLink(None).decode(bytearray(frame)).text

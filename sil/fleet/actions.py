@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What an operator asks of a fleet, each with its words and its exit status: 0 done, 1 not."""
+"""An operator's actions on a fleet, each with its messages and exit status: 0 done, 1 not."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,9 +20,9 @@ _STATUS_S, _NAMED_S = 3.0, 4.0
 
 
 class Wish(NamedTuple):
-    """What is asked, and of which boats: `boats` empty: all that are heard.
+    """A requested action and its boats; `boats` empty: all boats heard.
 
-    `place`: latitude and longitude, deg; `way_m`: north and east from where the leader is.
+    `place`: latitude and longitude, deg; `way_m`: metres north and east of the leader's position.
     """
 
     action: str
@@ -35,7 +35,7 @@ class Wish(NamedTuple):
 
 
 def perform(station: Station, wish: Wish, console: Console) -> int:
-    """Do it, tell it, and return the exit status. ValueError for what cannot be done."""
+    """Execute the action, print the result, return the exit status; ValueError if impossible."""
     if wish.action == "stop":
         return _stop(station, wish, console)
     boats = discover(station, wish)
@@ -46,7 +46,7 @@ def perform(station: Station, wish: Wish, console: Console) -> int:
 
 
 def discover(station: Station, wish: Wish) -> list[int]:
-    """The boats that are named, or those heard meanwhile."""
+    """The boats that are named, or all boats heard meanwhile."""
     named = list(wish.boats)
     if wish.action == "status" or not named:
         least_s = _STATUS_S if wish.action == "status" else DISCOVERY_S
@@ -124,7 +124,7 @@ def _go(station: Station, wish: Wish, _: Sequence[int], console: Console) -> int
 
 
 def place_of(station: Station, boat: int, way_m: tuple[float, float]) -> tuple[float, float]:
-    """Latitude and longitude, deg, so far north and east of a boat; ValueError if it is lost."""
+    """Latitude and longitude, deg, at `way_m` from a boat; ValueError if the boat is lost."""
     told = {vessel["id"]: vessel for vessel in station.fleet.vessels(station.now_s())}
     origin, vessel = station.fleet.origin, told.get(boat)
     lost = vessel is None or vessel["x_m"] is None or vessel["place_age_s"] >= STALE_S
@@ -173,7 +173,7 @@ def _report(station: Station, answers: Sequence[Answer], done: str, console: Con
 
 
 def is_on_globe(latitude: float, longitude: float) -> bool:
-    """Whether these are degrees of a place."""
+    """Whether latitude and longitude, deg, are valid."""
     finite = math.isfinite(latitude) and math.isfinite(longitude)
     return finite and abs(latitude) <= 90.0 and abs(longitude) <= 180.0
 

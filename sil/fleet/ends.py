@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A station's ends of MAVLink links, both ways.
 
-`udpin:HOST:PORT`: boats send there, and are answered where they sent from. `udpout:HOST:PORT`: a
-boat or a router listens there. `tcp:HOST:PORT`: a server. `/dev/…[:BAUD]`: a serial line.
+`udpin:HOST:PORT`: boats send to this address; answers go back to the sender. `udpout:HOST:PORT`: a
+boat or a router listens at this address. `tcp:HOST:PORT`: a server. `/dev/…[:BAUD]`: a serial line.
 """
 
 import os
@@ -20,14 +20,14 @@ from sil.wire.mavlink_mcast import host_and_port
 from sil.wire.serial_line import line_of, open_line
 
 Peer = tuple[str, int] | None
-"""Who is at the other side: one of several at a `udpin`, None elsewhere."""
+"""The other side of a link: one of several peers at a `udpin`, None elsewhere."""
 
 _MOST_BYTES = 65536
 _CONNECT_S = 5.0
 
 
 class End(Protocol):
-    """One link's end; `address` as the caller spelled it."""
+    """One link's end; `address` as the caller wrote it."""
 
     address: str
 
@@ -35,30 +35,30 @@ class End(Protocol):
         """The descriptor to wait for."""
 
     def receive(self) -> list[tuple[Peer, bytes]]:
-        """Whole frames that have come, and from whom. OSError if nothing will come any more."""
+        """Whole frames received, and their senders. OSError if no more can come."""
 
     def send(self, frame: bytes, peer: Peer) -> None:
-        """Send a frame to a peer, to all that have been heard if it is None."""
+        """Send a frame to a peer; None: to all peers heard so far."""
 
     def close(self) -> None:
-        """Close it."""
+        """Close the end."""
 
 
 class Clock(Protocol):
-    """The time, and waiting for it."""
+    """The current time, and a way to wait."""
 
     def now_s(self) -> float:
-        """Now, from any beginning."""
+        """The current time from an arbitrary origin, s."""
 
     def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
-        """The ends at which something has come, after `for_s` at most."""
+        """Wait at most `for_s`; return the ends that have received something."""
 
 
 class RealTime:
     """The monotonic clock."""
 
     def now_s(self) -> float:
-        """Now."""
+        """The current time, s."""
         return time.monotonic()
 
     def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
@@ -95,7 +95,7 @@ class UdpIn:
         return heard
 
     def send(self, frame: bytes, peer: Peer) -> None:
-        """Send a datagram; it is lost where nobody listens any more."""
+        """Send a datagram; it is lost if nobody listens any more."""
         for each in self._peers if peer is None else (peer,):
             with suppress(OSError):
                 self._socket.sendto(frame, each or ("", 0))
@@ -106,7 +106,7 @@ class UdpIn:
 
 
 class UdpOut:
-    """Sends to an address, and hears whoever answers from there."""
+    """Sends to an address, and receives answers from there."""
 
     def __init__(self, address: str, to: tuple[str, int]) -> None:
         self.address = address
@@ -131,7 +131,7 @@ class UdpOut:
         return heard
 
     def send(self, frame: bytes, peer: Peer) -> None:  # noqa: ARG002
-        """Send a datagram; it is lost where nobody listens."""
+        """Send a datagram; it is lost if nobody listens."""
         with suppress(OSError):
             self._socket.send(frame)
 
@@ -146,7 +146,7 @@ class Stream:
     def __init__(self, address: str, descriptor: int) -> None:
         self.address = address
         self._descriptor = descriptor
-        self._begun = b""  # of a frame that has not come whole
+        self._begun = b""  # beginning of a frame whose rest has not come yet
         os.set_blocking(descriptor, False)
 
     def fileno(self) -> int:
@@ -154,7 +154,7 @@ class Stream:
         return self._descriptor
 
     def receive(self) -> list[tuple[Peer, bytes]]:
-        """The frames that have come whole. OSError where the other side is gone."""
+        """The whole frames received. OSError if the other side is gone."""
         whole: list[bytes] = []
         with suppress(BlockingIOError):
             data = os.read(self._descriptor, _MOST_BYTES)
@@ -164,7 +164,7 @@ class Stream:
         return [(None, b"".join(whole))] if whole else []
 
     def send(self, frame: bytes, peer: Peer) -> None:  # noqa: ARG002
-        """Send a frame; a line that has no room for it loses it."""
+        """Send a frame; it is lost if the line has no room for it."""
         with suppress(OSError):
             os.write(self._descriptor, frame)
 

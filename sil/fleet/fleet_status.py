@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A fleet's status as its boats tell it: a sentence, and a row for each boat."""
+"""A fleet's status as reported by its boats: a sentence, and a row for each boat."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -16,8 +16,9 @@ _FOLLOWING = ("FORMATION", "COAST")
 class Row(NamedTuple):
     """One boat; what is unknown, or older than 5 s, is None.
 
-    `age_s`: since anything was heard of it, None: never. `follows`: whom. `off_m`: from its slot.
-    `epoch`: of its newest table. `why`: what keeps it from sailing.
+    `age_s`: time since its last message, None: never heard. `follows`: its leader. `off_m`:
+    distance from its slot. `epoch`: that of its newest table. `why`: the reason why it does not
+    sail.
     """
 
     system: int
@@ -34,7 +35,7 @@ class Row(NamedTuple):
 
     @property
     def is_heard(self) -> bool:
-        """Whether it is not silent."""
+        """Whether the boat is heard at present."""
         return self.age_s is not None and self.age_s < STALE_S
 
 
@@ -67,7 +68,10 @@ def _row(station: Station, boat: int, vessel: dict[str, Any] | None) -> Row:
 
 
 def verdict(rows: Sequence[Row], top: int | None, two: Sequence[int] = ()) -> str:
-    """One sentence. `top`: the vessel that all follow, if known; `two`: boats that both lead."""
+    """The fleet's status in one sentence.
+
+    `top`: the vessel that all follow, if known; `two`: boats that both lead.
+    """
     silent = [row.system for row in rows if not row.is_heard]
     notes = [f"{listed(silent)} silent"] if silent else []
     if len(two) > 1:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The whole fleet as one MAVLink vehicle: a ground station commands it as it would one boat.
+"""The whole fleet as one MAVLink vehicle: a ground station commands it like one boat.
 
-Arming, HOLD and a stop go to every boat directly; AUTO, LOITER, RTL and a place to go to are the
-leader's, and boats in HOLD then follow. What the fleet vehicle tells of itself is the leader's
-place and mode; it is armed as long as any boat is.
+Arming, HOLD and a stop go to every boat directly. AUTO, LOITER, RTL and a destination go to the
+leader; boats in HOLD then follow. The fleet vehicle reports the leader's position and mode. It is
+armed as long as any boat is armed.
 """
 
 import io
@@ -50,11 +50,14 @@ _CANCELLED = 6  # MAV_RESULT_CANCELLED, which pymavlink lacks
 
 
 class SupersededError(Exception):
-    """A command that stops the boats has come."""
+    """A command arrived that stops the boats."""
 
 
 class Command(NamedTuple):
-    """A request and its sender. `number`: the MAVLink command; None for SET_MODE: no answer."""
+    """A request and its sender.
+
+    `number`: the MAVLink command; None for SET_MODE, which has no answer.
+    """
 
     number: int | None
     system: int
@@ -65,8 +68,8 @@ class Command(NamedTuple):
 class FleetVehicle:
     """One vehicle with system id `system` at a ground station's `end`, for the boats of `station`.
 
-    With a `signer` the ground station must sign, too. Commands are carried out one after another;
-    a stop and HOLD cancel all others at once. `told` gets what is done, in words.
+    With a `signer` the ground station must sign, too. Commands are executed one after another; a
+    stop and HOLD cancel all others at once. `told` is called with a text about each action.
     """
 
     def __init__(
@@ -84,7 +87,7 @@ class FleetVehicle:
         self._mav = mavlink.MAVLink(None, system, mavlink.MAV_COMP_ID_AUTOPILOT1)
         self._ear = mavlink.MAVLink(None)
         self._ear.robust_parsing = True
-        self._leader: int | None = None  # the last one that was known
+        self._leader: int | None = None  # the last known leader
         self._asked: deque[Command] = deque()
         self._carried_out: Command | None = None
         self._beat_s = self._position_s = 0.0
@@ -95,9 +98,9 @@ class FleetVehicle:
         station.meanwhile = self._attend
 
     def serve(self, for_s: float) -> None:
-        """Be this vehicle for so long.
+        """Act as this vehicle for `for_s` seconds.
 
-        OSError where an end has ended; ValueError where a boat has the vehicle's id.
+        OSError if an end has ended; ValueError if a boat has the vehicle's id.
         """
         end_s = self._station.now_s() + for_s
         while (left_s := end_s - self._station.now_s()) > 0.0:
@@ -139,7 +142,7 @@ class FleetVehicle:
         )
 
     def _attend(self) -> None:
-        """Hear the ground station and tell it of the fleet: often, whatever else is done."""
+        """Receive from the ground station and report the fleet to it, whatever else happens."""
         for _, data in self._end.receive():
             for *_, frame in frames(data):
                 if self._signer is None or self._signer.verifies(frame):
@@ -149,7 +152,7 @@ class FleetVehicle:
         if (top := root(self._station)) in self._station.boats():
             self._leader = top
         hears = now_s - self._station_s < _STATION_SILENT_S
-        # Boats that stop without a ground station must miss the real one.
+        # Boats that stop without a ground station must notice that the real one is missing.
         self._station.kind = mavlink.MAV_TYPE_GCS if hears else mavlink.MAV_TYPE_ONBOARD_CONTROLLER
         if now_s >= self._beat_s:
             self._beat_s = now_s + _BEAT_S
@@ -221,7 +224,7 @@ class FleetVehicle:
         )
 
     def _position(self) -> mavlink.MAVLink_message | None:
-        """The leader's; None if it is not known."""
+        """The leader's position; None if it is unknown."""
         try:
             latitude, longitude = place_of(self._station, self._leader or 0, (0.0, 0.0))
         except ValueError:
@@ -246,7 +249,7 @@ class FleetVehicle:
             self._say(mavlink.MAVLink_command_ack_message(command.number, result, 0, 0, *to))
 
     def _text(self, text: str, *, warns: bool) -> None:
-        """A STATUSTEXT, in as many parts as it takes."""
+        """Send a STATUSTEXT, in as many parts as it needs."""
         if not text:
             return
         self._told(text)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who leads a fleet, by what its boats say."""
+"""Finds the leader of a fleet from the boats' messages."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -8,19 +8,19 @@ from sil.fleet.station import Station
 
 
 def leaders(station: Station) -> list[int]:
-    """The boats whose last beacons say that they lead: more than one where a radio was split."""
+    """The boats whose last beacons claim the lead: several if the radio network was split."""
     beacons = ((system, station.beacon(system)) for system in station.boats())
     return [system for system, beacon in beacons if beacon is not None and beacon.leads]
 
 
 def listed(boats: Sequence[int]) -> str:
-    """Their names: boat 1; boats 1, 2 and 3."""
+    """The boats' names: boat 1; boats 1, 2 and 3."""
     *most, last = map(str, boats)
     return f"boats {', '.join(most)} and {last}" if most else f"boat {last}"
 
 
 def followed_by(station: Station, system: int) -> int | None:
-    """Whom a boat follows, by its beacon or its telemetry; None if unknown, or if it leads."""
+    """The leader of a boat, from its beacon or telemetry; None if unknown, or if the boat leads."""
     beacon = station.beacon(system)
     if beacon is not None and beacon.epoch:
         return beacon.follows or None
@@ -30,10 +30,10 @@ def followed_by(station: Station, system: int) -> int | None:
 
 
 def root(station: Station) -> int | None:
-    """The vessel at the top: the one that leads, or else whom most boats follow in the end.
+    """The vessel at the top: the boat that leads, or the vessel that most boats follow in the end.
 
-    None where nobody can tell, or where two lead. A boat that leads no more may still follow
-    another, which follows it: what most say counts.
+    None if it is unknown, or if two boats lead. A boat that no longer leads may still follow
+    another, which follows it; therefore the majority decides.
     """
     told = leaders(station)
     if told:
@@ -45,7 +45,7 @@ def root(station: Station) -> int | None:
 
 
 def leading_boat(station: Station) -> int:
-    """The boat that commands to the whole fleet go to; ValueError where there is none."""
+    """The boat that receives commands for the whole fleet; ValueError if there is none."""
     told = leaders(station)
     if len(told) > 1:
         raise ValueError(f"{listed(told)} lead: name the one that is meant, --boats {told[0]}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Orders to boats: each is repeated until its boat has answered, and each answer is explained."""
+"""Sends orders to boats, repeats each until its boat has answered, and explains the answers."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
@@ -26,11 +26,11 @@ _FAULTS = {
 _ACCEPTED: int = mavlink.MAV_RESULT_ACCEPTED
 
 Order = Callable[[int, int], mavlink.MAVLink_message]
-"""The message to a system, when it is sent for the nth time, from 0."""
+"""Makes the message to a system for the nth transmission, counted from 0."""
 
 
 class Answer(NamedTuple):
-    """Of one boat: whether it accepted, and what it said; no result: it did not answer."""
+    """A boat's answer: its result and its texts; without a result, it did not answer."""
 
     system: int
     result: int | None
@@ -38,12 +38,12 @@ class Answer(NamedTuple):
 
     @property
     def accepted(self) -> bool:
-        """Whether the boat does as it was told."""
+        """Whether the boat accepted the order."""
         return self.result == _ACCEPTED
 
 
 def long(request: Request) -> Order:
-    """A COMMAND_LONG."""
+    """An order that sends a COMMAND_LONG."""
     command, params = request
     seven = (*params, *(0.0,) * (7 - len(params)))
 
@@ -56,7 +56,7 @@ def long(request: Request) -> Order:
 
 
 def go_to(latitude: int, longitude: int) -> Order:
-    """Sail to a place (degE7) in GUIDED, and wait there."""
+    """An order to sail to a place (degE7) in GUIDED, and wait there."""
 
     def message(system: int, count: int) -> mavlink.MAVLink_message:  # noqa: ARG001
         changes_mode, same_speed = 1.0, -1.0
@@ -75,7 +75,7 @@ def go_to(latitude: int, longitude: int) -> Order:
 
 
 def carry_out(station: Station, order: Order, systems: Sequence[int]) -> list[Answer]:
-    """Give the order to each system until it answers, 6 s at most; then listen for reasons."""
+    """Send the order to each system until it answers, for at most 6 s; then listen for reasons."""
     since_s, heard = station.now_s(), len(station.acks)
     command = order(0, 0).command
     open_ones = dict.fromkeys(systems, 0)
@@ -100,10 +100,10 @@ def carry_out(station: Station, order: Order, systems: Sequence[int]) -> list[An
 
 
 def stop(station: Station, named: Sequence[int]) -> list[Answer]:
-    """Disarm every boat that is heard, and those named, each directly and by every link.
+    """Disarm every boat that is heard and every boat named, each directly and by every link.
 
-    Begins as the first is heard, and waits for others for 2.5 s. Where boats tell of a fleet's
-    table, one that stops all of its members goes beside it, which they hand on.
+    Begins when the first boat is heard, and waits 2.5 s for others. If boats report a fleet's
+    table, also sends a table that stops all of its members; boats pass it on.
     """
     since_s, heard = station.now_s(), len(station.acks)
     order, table = long(DISARM), StopTable(station)
@@ -136,13 +136,13 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
 
 
 def leader_last(station: Station, systems: Iterable[int]) -> list[int]:
-    """In this order nobody takes over from a leader that is stopped first."""
+    """Sort systems so that the leader is last: then nobody takes over from a stopped leader."""
     top = root(station)
     return sorted(systems, key=lambda system: (system == top, system))
 
 
 def tell(answer: Answer, held: Iterable[str], signs: bool) -> str:
-    """Why a boat did not do as it was told.
+    """Explain why a boat did not execute its order.
 
     `held`: what keeps it from sailing; `signs`: it signs, and the station has no key.
     """

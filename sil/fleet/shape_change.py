@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A change of shape: asks boats how long they are, makes a table, and sees that all have it.
+"""A change of shape: asks the boats for their lengths, makes a table, checks that all have it.
 
 Source: firmware/docs/FLEET.md.
 """
@@ -24,18 +24,18 @@ from sil.wire.fleet_table import digest_of, table_message
 
 IN_S = 3.0
 _PATIENCE_S, _RETRY_S = 8.0, 0.6
-_BEACONS_S = 2.5  # two of each boat: who has no table sends none
-_TOLD_S = 1.5  # until all beacons tell whom they follow now
-_STOPS_S = 1.0  # until a boat has stopped that refuses its new slot
-_GUARD_LENGTHS = 1.2  # of FS_SEP_M where it is negative
-_SLOTS_GUARDS = 1.5  # slots are farther apart, in FS_SEP_M
+_BEACONS_S = 2.5  # two beacons of each boat; a boat without a table sends none
+_TOLD_S = 1.5  # until all beacons report the new leaders
+_STOPS_S = 1.0  # until a boat that refuses its new slot has stopped
+_GUARD_LENGTHS = 1.2  # boat lengths that make up FS_SEP_M if it is negative
+_SLOTS_GUARDS = 1.5  # least distance of slots, as a multiple of FS_SEP_M
 _ASKED = ("BOAT_LEN", "FS_SEP_M")
 
 
 class Change(NamedTuple):
-    """What was told; each boat's place; why a boat does not take it, by system id.
+    """The result: a text; each boat's place; each refusing boat's reason, by system id.
 
-    No places where the boats give them to one another.
+    There are no places if the boats choose them among themselves.
     """
 
     words: str
@@ -51,7 +51,7 @@ def change(
     *,
     turning: bool,
 ) -> Change:
-    """Bring boats, by rank, into a shape. ValueError, and nothing is sent, if that cannot work."""
+    """Bring boats, by rank, into a shape. ValueError, with nothing sent, if it is impossible."""
     places = shape_places(shape, len(boats), spacing_m)
     if unheard := [boat for boat in boats if not station.is_heard(boat)]:
         raise ValueError(f"boat {unheard[0]} is not heard: name the others, --boats")
@@ -65,8 +65,8 @@ def change(
     epoch = newest_epoch(station) + 1
     if epoch > LAST_EPOCH:
         raise ValueError(f"epoch {LAST_EPOCH} is the last one: restart all boats at once")
-    # Who has a table knows the others' places in it: then the boats give the new ones themselves,
-    # and move there together.
+    # A boat with a table knows the others' places in it. Then the boats assign the new places
+    # themselves, and move there together.
     under_way = epoch > 1
     present = None if under_way else present_places(station, boats, turning=turning)
     if present is not None:
@@ -86,7 +86,7 @@ def change(
     def missing() -> list[int]:
         told = {boat: station.beacon(boat) for boat in boats}
         ours = [beacon.digest for beacon in told.values() if beacon and beacon.epoch == epoch]
-        # boats that gave the places differently agree on the greater digest
+        # boats that assigned the places differently agree on the greater digest
         digest = max(ours, default=0) if under_way else sent
         return [
             boat
@@ -125,7 +125,7 @@ def _stops(text: Text, boats: Sequence[int], since_s: float) -> bool:
 
 
 def _sizes(station: Station, boats: Sequence[int]) -> tuple[list[float], float]:
-    """The boats' lengths and the greatest FS_SEP_M, m. ValueError if a boat does not tell."""
+    """The boats' lengths and the greatest FS_SEP_M, m. ValueError if a boat sends none."""
     since_s = station.now_s()
 
     def missing() -> list[tuple[int, str]]:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A ground station: hears boats at several links' ends, and speaks to one or to all of them.
+"""A ground station: hears boats on several links, and sends to one boat or to all.
 
-Its heartbeat is not a ground station's: boats that stop without one (`FS_GCS_S`) do not count on a
-command that ends after a few seconds.
+Its heartbeat is not of type GCS: boats that stop without a ground station (`FS_GCS_S`) must not
+rely on a command that ends after a few seconds.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +45,7 @@ class Text(NamedTuple):
 
 
 class Station:
-    """One station at `ends`, with system id `system`; with a `signer`, it hears its key only.
+    """One station at `ends`, with system id `system`; with a `signer`, it accepts only its key.
 
     `fleet`: the vessels heard. By system id: `beacons`, with their times; `signs`, those that sign,
     where the station has no key. `parameters`: by system id and name. `refused`: number of messages
@@ -76,7 +76,8 @@ class Station:
         self._mav = mavlink.MAVLink(None, system, COMPONENT)
         self._clock = clock or RealTime()
         self._began_s = self._clock.now_s()
-        # Boats take equal numbers by two links for copies: two commands begin with others.
+        # Boats take messages with equal numbers on two links for copies, so each command begins
+        # with another number.
         self._sequence = int(1000.0 * self._began_s)
         self._routes: dict[int, dict[tuple[End, Peer], float]] = {}
         self._asked_s: dict[int, float] = {}
@@ -87,12 +88,12 @@ class Station:
         return self._clock.now_s() - self._began_s
 
     def boats(self) -> list[int]:
-        """System ids of the Flotilla boats that have been heard, ever."""
+        """System ids of all Flotilla boats heard so far."""
         known = {system for system, each in self.fleet.systems.items() if each.kind == "boat"}
         return sorted((known | self.beacons.keys()) - {self.system})
 
     def is_heard(self, system: int) -> bool:
-        """Whether a system is not silent."""
+        """Whether a system is heard at present."""
         vessel = self.fleet.systems.get(system)
         return vessel is not None and self.now_s() - vessel.heard_s < STALE_S
 
@@ -102,11 +103,11 @@ class Station:
         return beacon if self.now_s() - at_s < STALE_S else None
 
     def say(self, message: mavlink.MAVLink_message, system: int | None = None) -> None:
-        """Send a message towards a system where it has been heard; None: everywhere."""
+        """Send a message on the links where a system was heard; None: on all links."""
         self.send(message.pack(self._mav), system)
 
     def send(self, frame: bytes, system: int | None = None) -> None:
-        """The same, of an unsigned frame, which gets number and signature."""
+        """The same as `say`, for an unsigned frame, which gets its number and signature here."""
         self._sequence = (self._sequence + 1) & 0xFF
         whole = numbered(frame, self._sequence)
         if self._signer is not None:
@@ -118,7 +119,7 @@ class Station:
             end.send(whole, peer)
 
     def run(self, for_s: float, done: Callable[[], object] = lambda: False) -> bool:
-        """Listen for so long, or until `done`, which is asked often; whether it was."""
+        """Listen for `for_s`, or until `done` returns true; return whether it did."""
         end_s = self.now_s() + for_s
         while not done():
             left_s = end_s - self.now_s()
@@ -191,7 +192,7 @@ class Station:
                 self.texts = [*self.texts[-_MOST_KEPT:], Text(now_s, system, said.last)]
 
     def _identify(self, system: int, component: int, now_s: float) -> None:
-        """Ask who has not said what it is for its heartbeat, which comes once a second only."""
+        """Request a HEARTBEAT of an unidentified system: it comes only once a second."""
         vessel = self.fleet.systems.get(system)
         if vessel is None or vessel.kind is not None or component not in _AUTOPILOTS:
             return

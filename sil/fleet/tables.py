@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tables that a station sends: a shape's places, given to the boats; one that stops them all."""
+"""Tables that a station sends: a shape's places for the boats, or a table that stops all boats."""
 
 import difflib
 import math
@@ -15,12 +15,12 @@ from sil.scenario.formation import Formation, Place, Shape, slots
 from sil.wire.fleet_table import MOST_MEMBERS, Member, table_message
 
 LAST_EPOCH = 65535
-_FARTHEST_M = 327.0  # the wire has places in cm, in 16 bits
-_APART_M = 10.0  # in a table that stops boats whose places are unknown
+_FARTHEST_M = 327.0  # on the wire, places are in cm, in 16 bits
+_APART_M = 10.0  # spacing in a table that stops boats whose places are unknown
 
 
 def shape_places(shape: str, boats: int, spacing_m: float | None) -> list[Place]:
-    """Places of a shape by its name, or of a TOML file, m from the first one's; ValueError."""
+    """Places of a shape by name, or of a TOML file, m, relative to the first; ValueError."""
     names: tuple[Shape, ...] = get_args(Shape)
     if shape in names:
         if spacing_m is None:
@@ -39,7 +39,7 @@ def shape_places(shape: str, boats: int, spacing_m: float | None) -> list[Place]
 
 
 def _read(path: Path, boats: int) -> list[Place]:
-    """`places_m = [[ahead, starboard], …]`, the first one's the leader."""
+    """Read `places_m = [[ahead, starboard], …]`; the first place is the leader's."""
     try:
         document: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
@@ -57,7 +57,7 @@ def _read(path: Path, boats: int) -> list[Place]:
 
 
 def check(places: Sequence[Place], boats: Sequence[int], least_m: float, why: str) -> None:
-    """ValueError where a table cannot carry the places, or two are not `least_m` apart."""
+    """ValueError if a table cannot carry the places, or if two are nearer than `least_m`."""
     if len(boats) > MOST_MEMBERS:
         raise ValueError(f"{len(boats)} boats: a table has at most {MOST_MEMBERS}")
     for boat, place in zip(boats, places, strict=True):
@@ -72,12 +72,12 @@ def check(places: Sequence[Place], boats: Sequence[int], least_m: float, why: st
 
 
 def assigned(places: Sequence[Place], present: Sequence[Place]) -> list[Place]:
-    """The places in the order of the boats: the first keeps its own, the others the least way.
+    """The places in the order of the boats: the first keeps its own, the others move least.
 
-    Least is the sum of squared ways, which have no reason to cross. `present`: where the boats are,
-    from the first one, in the axes of the places.
+    The assignment minimizes the sum of squared distances, so the ways have no reason to cross.
+    `present`: the boats' positions relative to the first, in the axes of the places.
     """
-    import numpy as np  # noqa: PLC0415 – here alone
+    import numpy as np  # noqa: PLC0415 – needed only here
     from scipy.optimize import linear_sum_assignment  # noqa: PLC0415
 
     if len(places) < 2:
@@ -88,9 +88,9 @@ def assigned(places: Sequence[Place], present: Sequence[Place]) -> list[Place]:
 
 
 def present_places(station: Station, boats: Sequence[int], *, turning: bool) -> list[Place] | None:
-    """Where the boats are, m from the first one; None if one's place or heading is unknown.
+    """Positions of the boats, m from the first; None if a place or heading is unknown.
 
-    North and east, or ahead and to starboard of the first one.
+    North and east, or ahead and to starboard of the first boat.
     """
     told = {vessel["id"]: vessel for vessel in station.fleet.vessels(station.now_s())}
     known = [told[boat] for boat in boats if boat in told and _is_placed(told[boat])]
@@ -110,12 +110,12 @@ def _is_placed(vessel: dict[str, Any]) -> bool:
 
 
 def newest_epoch(station: Station) -> int:
-    """The newest table's that a boat has; 0: nobody has one."""
+    """The epoch of the newest table that a boat has; 0: no boat has one."""
     return max((beacon.epoch for _, beacon in station.beacons.values()), default=0)
 
 
 def star(boats: Sequence[int], places: Sequence[Place], lengths_m: Sequence[float]) -> list[Member]:
-    """Members by rank: all follow the first one."""
+    """Members of a table by rank; all follow the first one."""
     return [
         Member(boat, 0 if boat == boats[0] else boats[0], place, length_m)
         for boat, place, length_m in zip(boats, places, lengths_m, strict=True)
@@ -123,10 +123,10 @@ def star(boats: Sequence[int], places: Sequence[Place], lengths_m: Sequence[floa
 
 
 class StopTable:
-    """Stops the fleet's members, also those that no order reaches: boats hand a table on.
+    """Stops the fleet's members, even those that no order reaches, because boats pass a table on.
 
-    Nothing is sent while no boat tells of a table. The places are where the boats are: who follows
-    again after a stop stays in about that shape.
+    Nothing is sent while no boat reports a table. The table's places are the boats' positions, so
+    that boats that follow again after a stop keep about that shape.
     """
 
     def __init__(self, station: Station) -> None:
@@ -136,7 +136,7 @@ class StopTable:
         self._members: list[Member] = []
 
     def send(self, boats: Sequence[int]) -> None:
-        """Send it; with a greater epoch where boats, or another table, have come up."""
+        """Send the table, with a greater epoch if further boats or another table have appeared."""
         newest = newest_epoch(self._station)
         if newest == 0 or not boats:
             return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A ground station's commands to one vehicle, as wishes for a whole fleet."""
+"""Translates a ground station's commands to one vehicle into wishes for a whole fleet."""
 
 from math import isfinite
 
@@ -8,7 +8,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sil.fleet.actions import Wish, is_on_globe
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER, RTL
 
-#: Commands that are refused by their values; others are not supported.
+#: Commands that may be refused for their values; all others are unsupported.
 KNOWN = (
     mavlink.MAV_CMD_COMPONENT_ARM_DISARM,
     mavlink.MAV_CMD_DO_SET_MODE,
@@ -52,7 +52,7 @@ def _mode_wish(base: float, custom: float) -> Wish | None:
 
 
 def _go_wish(message: mavlink.MAVLink_message) -> Wish | None:
-    if message.param1 > 0.0:  # a speed, which the fleet would not keep
+    if message.param1 > 0.0:  # a speed, which the fleet would not keep to
         return None
     if message.get_type() == "COMMAND_LONG":
         place = message.param5, message.param6

@@ -38,8 +38,8 @@ class Outlet(Protocol):
 class LiveBoat:
     """A flotillad, its bus with two ESCs, its navigation unit and its radio.
 
-    `escs_speak`: whether the ESCs' frames are sent on the bus. `ears`: called with all that the
-    boat says by radio, and when, us.
+    `escs_speak`: whether the ESCs' frames are sent on the bus. `ears`: called with every message
+    that the boat sends by radio, and its time, us.
     """
 
     def __init__(

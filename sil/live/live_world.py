@@ -230,11 +230,11 @@ class LiveWorld:
                 mouth.send(data, t_us)
 
     def _wanted(self, system: int) -> str:
-        """The state in which a boat is ready."""
+        """The state in which a boat counts as ready."""
         return "AUTO" if system == self._leader_boat else "FORMATION"
 
     def _mode_of(self, system: int) -> int:
-        """The mode to ask of a boat: AUTO once it has its plan and all others follow."""
+        """The mode to request of a boat: AUTO once it has its plan and all others follow."""
         if self._plan is None or system != self._leader_boat:
             return FORMATION
         others = [boat.system for boat in self.boats if boat.system != system]
@@ -260,7 +260,7 @@ class LiveWorld:
             if left_us <= 0:
                 self.late_us = max(self.late_us, -left_us)
                 return
-            # anew each time: a client that has left closes its descriptor
+            # rebuilt each time: a client that has left closes its descriptor
             waiting = [fd for end in ends for fd in end.descriptors()]
             select.select(waiting, [], [], 1e-6 * left_us)
 

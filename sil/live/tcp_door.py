@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A TCP port of a simulated boat, as other simulators have; ground stations command it there."""
+"""A TCP port of a simulated boat, as in other simulators; ground stations command it there."""
 
 import socket
 from contextlib import suppress
@@ -17,11 +17,11 @@ class _Client:
     def __init__(self, connection: socket.socket) -> None:
         self.socket = connection
         self.socket.setblocking(False)
-        self.begun = b""  # of a frame that has not come whole
+        self.begun = b""  # beginning of a frame whose rest has not come yet
         self.waiting = b""  # rest of messages that the socket could not take
 
     def send(self, messages: bytes) -> None:
-        """Send whole messages; while earlier ones wait, none: a slow reader loses some."""
+        """Send whole messages, or none while earlier ones wait: a slow reader loses some."""
         rest = self.waiting or messages
         with suppress(BlockingIOError):
             rest = rest[self.socket.send(rest) :]
@@ -29,7 +29,7 @@ class _Client:
 
 
 class Door(NamedTuple):
-    """Where a boat is found."""
+    """The address of a boat's port."""
 
     system: int
     port: int
@@ -55,14 +55,14 @@ class TcpDoor:
         return [each.fileno() for each in sockets]
 
     def pass_on(self) -> None:
-        """Accept who knocks; pass on everything that has arrived, either way."""
+        """Accept new clients; pass on everything that has arrived, in both directions."""
         with suppress(BlockingIOError, ConnectionAbortedError):
             while True:
                 self._clients.append(_Client(self._server.accept()[0]))
         self._clients = [client for client in self._clients if self._hear(client)]
         for data in self._boat.receive():
             for client in self._clients:
-                with suppress(OSError):  # gone: the next call notices
+                with suppress(OSError):  # the client is gone: the next call notices
                     client.send(data)
 
     def close(self) -> None:

@@ -8,7 +8,7 @@ LOOPBACK = "127.0.0.1"
 
 
 class UdpEnd:
-    """The flotillad at the other end, whose option is `address`, sends first."""
+    """The simulator's end; `address` is the option for the flotillad, which sends first."""
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -27,7 +27,7 @@ class UdpEnd:
         return chunks
 
     def send(self, data: bytes) -> None:
-        """Send a datagram; before the flotillad has been heard, nothing."""
+        """Send a datagram; does nothing until the flotillad has been heard."""
         # A killed flotillad's port refuses; losing a datagram is harmless, MAVLink repeats itself.
         if self._peer is not None and data:
             with suppress(ConnectionRefusedError):

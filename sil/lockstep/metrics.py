@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Figures of a run: true formation errors, settling, effort, separation.
 
-Trace arrays as in trace.npz, SI: T control ticks from release (t = 0) on, N boats, agent 0 the
-virtual leader. Errors in metres are √(e_x² + e_y²).
+Trace arrays as in trace.npz, SI units: T control ticks from the release (t = 0) on, N boats; agent
+0 is the virtual leader. Errors in metres are √(e_x² + e_y²).
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,7 +37,7 @@ class BoatSummary(TypedDict):
     thrust_step_rms_N: float
     states: dict[str, float]
     closing_m: NotRequired[float]  # final distance from its slot, if it did not reach it
-    said: NotRequired[list[str]]  # when it first fell out of FORMATION
+    said: NotRequired[list[str]]  # texts from when it first fell out of FORMATION
 
 
 class Summary(TypedDict):
@@ -125,7 +125,7 @@ def distances(error: Array) -> Array:
 
 def settling_time_s(t_s: Array, distance: Array) -> float | None:
     """Time after which `distance` (T) stays below 0.05 m; None if it ends above."""
-    # "not below" rather than "above": NaN has not settled
+    # "not below" rather than "above": NaN counts as not settled
     outside = np.flatnonzero(~(distance < SETTLED_M))
     if outside.size == 0:
         return 0.0

@@ -18,7 +18,7 @@ from typing import Any, BinaryIO, Self
 MAGIC = b"FLOTILLA"
 _HEAD = struct.Struct("<QHH")
 _LENGTH = struct.Struct("<I")
-MOST_BOATS = 255  # an agent has eight bits of a port
+MOST_BOATS = 255  # an agent's number has eight bits in a port
 
 # Channels: an agent's wire and the direction.
 MAVLINK_IN = 0  # + link, to the boat

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The start of runs: an operator arms the boats and sets their modes while the hulls are held.
 
-All go to FORMATION; a boat that leads gets its plan meanwhile, and goes to AUTO last.
+All boats go to FORMATION. A boat that leads receives its plan meanwhile, and goes to AUTO last.
 """
 
 from collections import defaultdict
@@ -18,9 +18,9 @@ from sil.wire.plan_upload import PlanUpload
 _WARM_UP_S = 2
 _PATIENCE_S = 30
 _RETRY_S = 1
-_PATIENT_S = 10  # then boats are called back that form up before others
-_TOGETHER_S = 0.3  # longer, and a boat would find that it does not respond to its thrust
-_FORGETS_S = 3  # until a boat has forgotten that it did not respond
+_PATIENT_S = 10  # after this time, boats that form up before others are put into HOLD again
+_TOGETHER_S = 0.3  # any longer, and a boat would find that it does not respond to its thrust
+_FORGETS_S = 3  # after this time, a boat has forgotten that it did not respond
 _RADIO = 1  # link of a boat
 
 _DISARMED, _HOLD, _IN_FORMATION, _IN_AUTO = (
@@ -33,13 +33,13 @@ class RunError(RuntimeError):
 
 
 class StartError(RunError):
-    """Boats could not be armed or put into FORMATION; the text names them and their reasons."""
+    """Boats could not be armed or put into FORMATION; the text names them and the reasons."""
 
 
 def start(batch: Batch) -> list[int | StartError]:
-    """Arm all boats and set their modes; for each run the time of success, us, or an error.
+    """Arm all boats and set their modes; each run's time of success, us, or its error.
 
-    Every run receives its commands independent of the others, until all are ready.
+    Every run receives its commands independently of the others, until all are ready.
     """
     ready: dict[int, int | StartError] = {}
     runs = range(len(batch.scenarios))
@@ -96,7 +96,7 @@ class _Plans:
             upload.on_mavlink(self._batch.fleet.sent(self._batch.leading(run)), t_us)
 
     def mode_of(self, run: int, boat: int, states: list[int]) -> int:
-        """The mode to ask of a boat, from 0: AUTO once it has its plan and all others follow."""
+        """The mode to request of a boat, from 0: AUTO once it has its plan and all follow."""
         wanted = self.wanted[run].tolist()
         if wanted[boat] == _IN_FORMATION:
             return FORMATION
@@ -118,9 +118,9 @@ def _ask(batch: Batch, run: int, plans: _Plans, t_us: int, modes: bool) -> None:
 
 
 def _call_back(batch: Batch, run: int, plans: _Plans, t_us: int) -> bool:
-    """Put boats that formed up before the others into HOLD; False where there were none.
+    """Put boats that formed up before the others into HOLD; False if there were none.
 
-    They would push against what holds the hulls.
+    Otherwise they would push against the force that holds the hulls.
     """
     followers = plans.wanted[run] == _IN_FORMATION
     formed = batch.states[run] == _IN_FORMATION

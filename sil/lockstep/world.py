@@ -82,14 +82,14 @@ def sail(
     progress: Progress = lambda _: None,
     watch: Watch | None = None,
 ) -> list[Run | RunError]:
-    """Sail scenarios together; for each, in their order, a run or the error that prevented it.
+    """Sail scenarios together; return for each, in order, a run or the error that prevented it.
 
-    A run is the same bit for bit whatever it is sailed with. `record`: file for the recording of a
-    single scenario; `digest`: compute digests also without a recording. `keep_s`: interval of the
-    traces' samples; None: every tick, which figures of the whole run need. `progress` is called
-    with the share done, `watch` after each tick. A parameter that the firmware refuses is a
-    StartError; a broken rule is a PolicyViolationError, whatever else happened in the run.
-    ValueError for recordings of more boats than they can hold.
+    A run is the same, bit for bit, whichever scenarios it is sailed with. `record`: file for the
+    recording of a single scenario; `digest`: compute digests also without a recording. `keep_s`:
+    interval of the traces' samples; None: every tick, which figures of the whole run need.
+    `progress` is called with the share done, `watch` after each tick. A parameter that the firmware
+    refuses is a StartError; a broken rule is a PolicyViolationError, regardless of other events in
+    the run. ValueError if there are too many boats for a recording.
     """
     if record is not None and len(scenarios) != 1:
         raise ValueError("only a single run can be recorded")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Merges the telemetry and CAN logs of one or several boats into one MCAP file.
 
-A vessel's messages come from its own tlog if that is given, else from the first tlogs that contain
-any. A boat has a tlog for each of its links, and a message is in each that it was sent on; equal
-payloads within 0.2 s count once.
+A vessel's messages come from its own tlog if that is given, otherwise from the first tlogs that
+contain any. A boat has a tlog for each of its links, and a message is in the tlog of every link
+that carried it; equal payloads within 0.2 s count once.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -155,7 +155,7 @@ class _Boats:
 
     def _vessel(self, system: int) -> _Vessel:
         if system not in self._vessels:
-            # its own log takes precedence
+            # the boat's own log takes precedence
             facts = sorted(self._facts.values(), key=lambda one: one.owner != system)
             self._vessels[system] = _Vessel(self._output, self._name(system), facts, system)
         return self._vessels[system]
@@ -173,7 +173,7 @@ class _Once:
         self._since_us = 0
 
     def new(self, packet: Packet) -> bool:
-        """Whether no equal packet was seen in the last 0.2 s."""
+        """Whether the packet is new: no equal one was seen in the last 0.2 s."""
         if not -_TWICE_US < packet.t_us - self._since_us < _TWICE_US:
             self._now, self._before, self._since_us = set(), self._now, packet.t_us
         key = (packet.system, packet.component, packet.message_id, packet.payload)

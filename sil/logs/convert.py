@@ -39,7 +39,7 @@ def convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None
 
 
 def _place(out: Path) -> Path:
-    """`out`; ValueError, before hours of logs are read for nothing, if its folder is missing."""
+    """Return `out`; ValueError if its folder is missing, before hours of logs are read in vain."""
     if not out.parent.is_dir():
         raise ValueError(f"{out.parent}: there is no such folder")
     return out

@@ -33,7 +33,7 @@ from sil.logs import scene, schema
 from sil.wire.geodesy import LocalFrame
 
 WORLD = "world"
-FAR_M = 1e7  # farther positions are taken for invalid
+FAR_M = 1e7  # farther positions count as invalid
 _SECOND_NS = 1_000_000_000
 
 #: Origin of a local frame: latitude and longitude (degE7), altitude (mm).
@@ -59,7 +59,7 @@ class Pose(NamedTuple):
 class Output:
     """Collects messages in memory until `write`. A context manager.
 
-    `origin`: of the world's frame (degE7, degE7, mm); None if unknown: then there are no
+    `origin`: origin of the world's frame (degE7, degE7, mm); None if unknown: then there are no
     LocationFix messages.
     """
 
@@ -163,7 +163,7 @@ class Output:
         self.messages += 1
 
     def _draw(self, t_ns: int, vessel: str) -> None:
-        """Write the whole scene, also when only the slot is new: a viewer may see only the last."""
+        """Write the whole scene, even if only the slot is new: a viewer may show only the last."""
         if vessel not in self._scenes:
             self._scenes[vessel] = SceneUpdateChannel(f"/{vessel}/scene", context=self._context)
         drawn = scene.of(vessel, _stamp(t_ns), with_slot=vessel in self._with_slot)

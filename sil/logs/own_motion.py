@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A boat's motion and commands from its wires, as a table for whoever identifies its hull.
+"""A boat's motion and commands from its wires, as a table for the identification of its hull.
 
-One row for each state of the navigation unit, at the time when the boat received it: what the unit
-said, noise and delay included, and the last command to each propeller until then. Columns:
+One row for each state from the navigation unit, at the time when the boat received it: the unit's
+values, noise and delay included, and the last command to each propeller until then. Columns:
 
     t_s             since the first row
     north_m east_m  from the unit's origin            yaw_rad          clockwise from north, (−π, π]
@@ -33,7 +33,7 @@ _LOCAL = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
 _ATTITUDE = mavlink.MAVLINK_MSG_ID_ATTITUDE
 _READ = {_ODOMETRY, _LOCAL, _ATTITUDE}
 _AUTOPILOT = 1
-_HALF = 1 << 31  # of a clock's turn, ms
+_HALF = 1 << 31  # half the period of a clock that wraps around, ms
 _ABOARD = {mavlink.MAV_FRAME_BODY_FRD, mavlink.MAV_FRAME_BODY_NED}
 
 
@@ -60,7 +60,7 @@ class _Event(NamedTuple):
 
 
 class OwnMotion:
-    """Makes rows of what is on the wires of the boat with this system id.
+    """Makes rows from the traffic on the wires of the boat with this system id.
 
     `port`, `stbd`: indices of its ESCs.
     """
@@ -85,7 +85,7 @@ class OwnMotion:
             self._commands = port, stbd
 
     def on_mavlink(self, t_us: int, frame: bytes) -> Iterator[Row]:
-        """Process whole frames that the boat received; a row for each state of its unit."""
+        """Process whole frames that the boat received; yield a row for each state of its unit."""
         for message_id, system, component, one in frames(frame):
             if message_id not in _READ or system != self._system or component == _AUTOPILOT:
                 continue
@@ -149,7 +149,7 @@ def of_logs(folder: Path, system: int, port: int = 0, stbd: int = 1) -> Iterator
 
 
 def leave(out: Path, system: int = 1, port: int = 0, stbd: int = 1) -> Path:
-    """Write motionN.csv into a run's folder, of its recording, or of boat N's logs; its path.
+    """Write motionN.csv into a run's folder, from its recording or boat N's logs; return its path.
 
     `port`, `stbd`: ESC indices of a live run's boat. ValueError or OSError if there is nothing to
     read.
@@ -163,7 +163,7 @@ def leave(out: Path, system: int = 1, port: int = 0, stbd: int = 1) -> Path:
 
 
 def write(path: Path, rows: Iterable[Row]) -> int:
-    """Write the table, whole or not at all; the number of its rows."""
+    """Write the table, whole or not at all; return the number of rows."""
     lines = [
         ",".join(f"{value:.6g}" if i else f"{value:.6f}" for i, value in enumerate(row))
         for row in rows

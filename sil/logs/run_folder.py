@@ -33,7 +33,7 @@ Progress = Callable[[float], None]
 
 
 def convert(folder: Path, out: Path, progress: Progress) -> int:
-    """Convert a run's folder to `out`; the number of messages.
+    """Convert a run's folder to `out`; return the number of messages.
 
     A live run has no recording; then only the truth is written. ValueError for a damaged file.
     """

@@ -70,7 +70,7 @@ def _state_of(heartbeat: Any, *, tells_law: bool) -> str | None:
         (mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_GENERIC),
         (mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID),
     ]
-    if tells_law:  # a boat with MAV_AUTOPILOT 1; other autopilots do not
+    if tells_law:  # a boat with MAV_AUTOPILOT 1 sends the law; other autopilots do not
         kinds.append((mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA))
     if (heartbeat.type, heartbeat.autopilot) not in kinds:
         return None

@@ -19,7 +19,7 @@ _LOCAL, _ODOMETRY, _ATTITUDE, _GLOBAL, _FOLLOW, _SLOT = _KINDS = (
 _ORIGIN = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
 MESSAGES = frozenset((*_KINDS, _ORIGIN))
 POSES = frozenset((_LOCAL, _ODOMETRY, _GLOBAL, _FOLLOW))
-# Most precise first; a less precise message counts after the better ones were silent this long.
+# Most precise first; a less precise message counts once the better ones were silent this long.
 _PRECISION = {_ODOMETRY: 0, _LOCAL: 1, _FOLLOW: 2, _GLOBAL: 3}
 _TELLS_ATTITUDE = 8
 _SILENT_NS = 1_000_000_000

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The bodies of all vessels of a batch of runs: what the firmware never sees but by its sensors."""
+"""The bodies of all vessels of a batch of runs; the firmware knows them only by its sensors."""
 
 import numpy as np
 
@@ -11,13 +11,13 @@ from sil.plant.weather import Weather
 class Bodies:
     """Hulls of R virtual leaders and of N boats behind each, and the boats' propellers.
 
-    Rows are the leaders of all runs, then the boats, run by run: A = R + R N. `eta` and `nu`
-    (A, 3): pose (m, m, rad) and velocity (m/s, m/s, rad/s) now; `rpm` (R N, 2): shaft speeds, port
+    Rows are the leaders of all runs, then the boats, run by run: A = R + R N. `eta` and `nu` (A,
+    3): current pose (m, m, rad) and velocity (m/s, m/s, rad/s); `rpm` (R N, 2): shaft speeds, port
     and starboard; `tau` (R N, 2): surge force and yaw moment (N, N m) that the propellers gave at
-    the beginning of the last step. `hulls` (A, 16) and `propellers` (R N, 9) as their `stack`
-    makes them; `current` (A, 2): velocity of the water around each, north and east (m/s);
-    `weather` pushes the boats, or nothing does; `push` (A, 3), N, N, N m in body axes, where it is
-    set, everyone. No run's numbers depend on another's.
+    the beginning of the last step. `hulls` (A, 16) and `propellers` (R N, 9): from their `stack`;
+    `current` (A, 2): velocity of the water around each vessel, north and east (m/s); `weather`: the
+    force on the boats, if any; `push` (A, 3): a further force on all vessels, if any (N, N, N m in
+    body axes). No run's numbers depend on another run.
     """
 
     def __init__(
@@ -49,11 +49,11 @@ class Bodies:
         )
 
     def advance(self, command: Array, reference: Array, h_s: float) -> None:
-        """Carry all bodies over a step of `h_s` seconds.
+        """Advance all bodies by a step of `h_s` seconds.
 
-        `command` (R N, 2): what the ESCs tell their motors, in [-1, 1], held. `reference`
-        (3, R, 2) or (3, 1, 2): the virtual leaders' surge force and yaw moment at the start, the
-        middle and the end of the step.
+        `command` (R N, 2): the ESCs' commands to their motors, in [-1, 1], held over the step.
+        `reference` (3, R, 2) or (3, 1, 2): the virtual leaders' surge force and yaw moment at the
+        start, the middle and the end of the step.
         """
         propeller.advance(self._thrust, command, self._given, self._propellers, h_s)
         propeller.shaft_speed(self._thrust, self._propellers, self.rpm)
@@ -65,7 +65,7 @@ class Bodies:
         hull.advance(self.eta, self.nu, self._stages, *water, h_s)
 
     def thrust_of(self, run: int, tau: Array) -> Array:
-        """Thrusts (…, N, 2), port and starboard, N, that give a run's `tau` (…, N, 2)."""
+        """Thrusts (…, N, 2), port and starboard, N, that produce a run's `tau` (…, N, 2)."""
         arms = self._propellers[:, 0].reshape(self.runs, -1)[run]
         half_yaw = 0.5 * tau[..., 1] / arms
         return np.stack([0.5 * tau[..., 0] + half_yaw, 0.5 * tau[..., 0] - half_yaw], axis=-1)

@@ -49,8 +49,8 @@ class HullParameters:
 def stack(hulls: Iterable[HullParameters]) -> Array:
     """Parameters (n, 16) of n vessels: columns in the order of `HullParameters`, then M inverted.
 
-    The last four are m23/m33, m22 − m23²/m33, m23/m22, m33 − m23²/m22: M has one element off its
-    diagonal, which is eliminated. ValueError where M is not positive definite.
+    The last four are m23/m33, m22 − m23²/m33, m23/m22, m33 − m23²/m22: they eliminate the one
+    element of M off its diagonal. ValueError if M is not positive definite.
     """
     rows = []
     for hull in hulls:
@@ -63,7 +63,7 @@ def stack(hulls: Iterable[HullParameters]) -> Array:
 
 
 def mismatched(hull: HullParameters, share: float, rng: np.random.Generator) -> HullParameters:
-    """`hull` with each of the paper's six parameters times its own U(1 − share, 1 + share)."""
+    """`hull` with each of the paper's six parameters times a factor U(1 − share, 1 + share)."""
     factors = rng.uniform(1.0 - share, 1.0 + share, len(PAPER))
     changed = {
         name: getattr(hull, name) * factor for name, factor in zip(PAPER, factors, strict=True)
@@ -87,5 +87,5 @@ def advance(
 def sail(
     eta: Array, nu: Array, tau: Array, w: Array, current: Array, parameters: Array, h_s: float
 ) -> None:
-    """`advance` over many steps: tau (2 steps + 1, n, 2) at their ends and their middles."""
+    """The same as `advance` over many steps: tau (2 steps + 1, n, 2) at their ends and middles."""
     kernels.advance_hulls(eta, nu, tau, w, current, parameters, h_s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Standard normal numbers of many runs, each run's from its own generator."""
+"""Standard normal numbers for many runs, each run's from its own generator."""
 
 from collections.abc import Sequence
 
@@ -7,15 +7,15 @@ import numpy as np
 
 from sil.plant.hull import Array
 
-# A generator costs as much for a call as for a hundred numbers.
+# A generator's call takes as long for one number as for a hundred.
 _AHEAD = 64
 
 
 class Normals:
     """Numbers of `shape` for each of R runs and each step, drawn many steps ahead.
 
-    Each run's come from its `sources` entry, in the order in which they would be drawn step by
-    step; a run whose entry is None draws nothing and has zeros.
+    Each run's numbers come from its entry of `sources`, in the same order as if drawn step by step;
+    a run whose entry is None draws nothing and has zeros.
     """
 
     def __init__(

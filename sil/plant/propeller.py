@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Two propellers a boat: command → thrust curve → first-order lag → surge force and yaw moment.
+"""A boat's two propellers: command → thrust curve → first-order lag → surge force, yaw moment.
 
 T = γ T_max ((1 − ε) c + ε c |c|), 0 where |c| < dead, T_max the maximum of the direction of c;
 lag × Ṫ_now = T − T_now;
@@ -23,7 +23,7 @@ class PropellerParameters:
     forward_max_N: float
     reverse_max_N: float
     expo: float  # ε: 0 linear … 1 quadratic
-    lag_s: float  # 0: thrust follows the command at once
+    lag_s: float  # 0: thrust follows the command without lag
     rpm_max: float = 3600.0  # at the maximum thrust of either direction
     port_gain: float = 1.0  # γ
     stbd_gain: float = 1.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the navigation units measure: the exact state, or the state with Gaussian noise.
+"""The measurements of the navigation units: the exact state, or the state with Gaussian noise.
 
 The position may also have an error that drifts, a Gauss–Markov process of first order:
 e₊ = e^(−h/T) e + σ √(1 − e^(−2h/T)) n, n standard normal; it begins at σ n.
@@ -18,7 +18,7 @@ from sil.plant.normals import Normals
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations, each axis and sample independent; 0 is exact.
+    """Standard deviations of the noise, independent in each axis and sample; 0 is exact.
 
     `drift_m`, `drift_s`: σ and T of the drift of each axis of the position.
     """
@@ -39,13 +39,13 @@ class SensorNoise:
 
 
 class Sensors:
-    """The units of R virtual leaders and of N boats behind each; `bodies` are their truth.
+    """The units of R virtual leaders and of N boats behind each; `bodies` has the true states.
 
-    A virtual leader knows its state: it is a reference. `noise` (R) and `rngs` (2, R): of the boats
-    of each run, for what is new in each step of `h_s` seconds and for the drift; nothing is drawn
-    where there is none. `eta` and `nu`: rows and units of the
-    bodies', as they last were measured; the truth itself where nobody has noise. `worse` (R + R N):
-    how many times each one's deviations are what they should be.
+    A virtual leader knows its state exactly, because it is a reference. `noise` (R): noise of the
+    boats of each run; `rngs` (2, R): generators for the noise of each step of `h_s` seconds and for
+    the drift; runs without noise or drift draw nothing. `eta` and `nu`: the last measured values,
+    with rows and units as in `bodies`; without any noise, the truth itself. `worse` (R + R N):
+    factor of each vessel's standard deviations.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Sensors:
             self.eta, self.nu = bodies.eta.copy(), bodies.nu.copy()
 
     def measure(self) -> None:
-        """Measure once, everybody."""
+        """Measure all vessels once."""
         if self._normals is not None:
             normals = self._normals.step()
             kernels.measure(*self._true, self._sigma, self.worse, normals, self.eta, self.nu)
@@ -81,7 +81,7 @@ class Sensors:
             self._add_drift(self._drift_sigma * self._steps.step())
 
     def _add_drift(self, n: Array) -> None:
-        """Carries the drift (R, N, 2) on by the new numbers `n`, and adds it to the positions."""
+        """Advance the drift (R, N, 2) with the new numbers `n`, and add it to the positions."""
         kept = self._kept
         self._drift = n if self._drift is None else kept * self._drift + (1 - kept**2) ** 0.5 * n
         runs = len(n)

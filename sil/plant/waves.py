@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Long-crested waves on deep water: a sum of sinusoids, and what it does to a boat.
+"""Long-crested waves on deep water: a sum of sinusoids, and its forces on a boat.
 
-ζ = Σ a_i cos φ_i,  φ_i = ω_i t − k_i s + ε_i,  k_i = ω_i²/g,  s the way along the waves' course.
+ζ = Σ a_i cos φ_i,  φ_i = ω_i t − k_i s + ε_i,  k_i = ω_i²/g,  s: distance along the course.
 
 First order: the water's orbital acceleration −ω_i² a_i e^{−k_i T/2} sin φ_i along the course,
 averaged over two slender hulls of length L at ±b from the centreline, times the boat's inertia
@@ -23,13 +23,14 @@ from sil.plant.hull import Array
 GRAVITY_MPS2 = 9.81
 WATER_KGPM3 = 1025.0
 
-# Share of the peak frequency; outside is under 1 % of the energy, and no force on a boat.
+# Share of the peak frequency; outside this range is less than 1 % of the energy, and no force on a
+# boat.
 _BAND = (0.5, 4.0)
 
 
 @dataclass(frozen=True)
 class WaveBody:
-    """What of a boat the waves act on: inertia, wetted hulls, widths W that reflect waves."""
+    """A boat's properties in waves: inertia, wetted hulls, widths W that reflect waves."""
 
     m11: float
     m22: float
@@ -41,9 +42,9 @@ class WaveBody:
 
 
 def jonswap(omega: Array, height_m: float, period_s: float, peakedness: float) -> Array:
-    """Shape of the JONSWAP spectrum S(ω) (...), m² s, peakedness 1 Pierson-Moskowitz.
+    """JONSWAP spectrum S(ω) (...), m² s; with peakedness 1, the Pierson-Moskowitz spectrum.
 
-    Of a sea of significant height `height_m` for peakedness 1; more energy for a higher peak.
+    With peakedness 1 the significant height is `height_m`; a higher peak has more energy.
     """
     peak = 2.0 * np.pi / period_s
     ratio = peak / omega
@@ -56,9 +57,9 @@ def jonswap(omega: Array, height_m: float, period_s: float, peakedness: float) -
 class Sea:
     """Waves of `components` sinusoids whose phases `rng` draws.
 
-    `height_m` is the significant height: the variance of ζ is height²/16 exactly. `period_s` is
-    the peak's, `course_rad` where the waves travel to, clockwise from north. `waves` (components,
-    4): ω, k, a, ε of each.
+    `height_m` is the significant height: the variance of ζ is height²/16 exactly. `period_s`:
+    period of the peak; `course_rad`: direction to which the waves travel, clockwise from north.
+    `waves` (components, 4): ω, k, a, ε of each.
     """
 
     def __init__(
@@ -74,7 +75,7 @@ class Sea:
         peak = 2.0 * np.pi / period_s
         edges = peak * np.geomspace(*_BAND, components + 1)
         width = np.diff(edges)
-        # Anywhere in its band: equal steps would repeat themselves.
+        # At random in its band: with equal steps the waves would repeat themselves.
         omega = edges[:-1] + width * rng.random(components)
         energy = jonswap(omega, height_m, period_s, peakedness) * width
         amplitude = np.sqrt(energy / energy.sum() * height_m**2 / 8.0)
@@ -83,16 +84,16 @@ class Sea:
         self.course_rad = course_rad
 
     def elevation_m(self, t_s: float, x_m: float, y_m: float) -> float:
-        """Height of the surface over still water at a time and place (north, east)."""
+        """Height, m, of the surface over still water at a time and place (north, east)."""
         omega, k, amplitude, phase = self.waves.T
         way = x_m * np.cos(self.course_rad) + y_m * np.sin(self.course_rad)
         return float(np.sum(amplitude * np.cos(omega * t_s - k * way + phase)))
 
 
 class Waves:
-    """The waves' force on N boats of each of R runs: `seas` (R), None where it is calm.
+    """The waves' force on N boats of each of R runs.
 
-    `bodies` (R, N).
+    `seas` (R): None for a calm sea; `bodies` (R, N).
     """
 
     def __init__(self, seas: Sequence[Sea | None], bodies: Sequence[Sequence[WaveBody]]) -> None:

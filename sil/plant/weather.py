@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What pushes the boats: forces w = [X Y N] in each boat's body axes, held over a step."""
+"""Environmental forces on the boats: w = [X Y N] in each boat's body axes, held over a step."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -15,18 +15,18 @@ class Force(Protocol):
     """One cause of a force on the N boats of each of R runs."""
 
     def push(self, t_s: float, eta: Array, nu: Array, h_s: float, w: Array, /) -> None:
-        """Add the force of the step from `t_s` on, boats at eta with nu, to w; all (R, N, 3)."""
+        """Add the force on boats at eta with nu over the step from `t_s` on to w; all (R, N, 3)."""
 
 
 class Weather:
-    """The sum of several forces; time runs from the first step on."""
+    """The sum of several forces; time begins at the first step."""
 
     def __init__(self, forces: Sequence[Force]) -> None:
         self._forces = forces
         self._t_s = 0.0
 
     def step(self, eta: Array, nu: Array, w: Array, h_s: float) -> None:
-        """Write the force w, N, N, N m, on boats at eta with nu, all (R, N, 3); on to the next."""
+        """Write the force w, N, N, N m, on boats at eta with nu, all (R, N, 3), for one step."""
         w[:] = 0.0
         for force in self._forces:
             force.push(self._t_s, eta, nu, h_s, w)
@@ -36,9 +36,9 @@ class Weather:
 class WhiteNoise:
     """White noise in each axis: normal, of variance `power` / `sample_s`, held for `sample_s`.
 
-    `power` and `rngs` (R): of each run; where it is 0 nothing is drawn. Source: Wang and Loría,
-    section III; power and sample time as Simulink's block has them.
-    ValueError where a sample is not a whole number of steps.
+    `power` and `rngs` (R): of each run; a run with power 0 draws nothing. Source: Wang and Loría,
+    section III; power and sample time as in Simulink's block. ValueError if a sample is not a whole
+    number of steps.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class WhiteNoise:
 
 
 def steps_of(sample_s: float, h_s: float) -> int:
-    """Steps of `h_s` in a sample; ValueError where that is no whole number."""
+    """Number of steps of `h_s` in a sample; ValueError if it is not whole."""
     steps = round(sample_s / h_s)
     if steps < 1 or abs(steps * h_s - sample_s) > 1e-9:
         raise ValueError(f"a sample of {sample_s:g} s is not a whole number of steps of {h_s:g} s")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Wind: one mass of air with gusts, and what it does to what stands above the water.
+"""Wind: one mass of air with gusts, and its force on the boat above the water.
 
 X = ½ ρ c_x A_F V a_x   Y = ½ ρ c_y A_L V a_y   N = −ρ c_n A_L L a_x a_y
 
@@ -23,7 +23,7 @@ AIR_KGPM3 = 1.225
 
 @dataclass(frozen=True)
 class Windage:
-    """What of a boat stands in the wind: areas, coefficients, length."""
+    """A boat's properties in wind: areas, coefficients, length."""
 
     frontal_m2: float
     lateral_m2: float
@@ -36,8 +36,8 @@ class Windage:
 class Gusts:
     """A first-order Gauss-Markov process in each of two axes, stationary from the beginning.
 
-    One-sided spectrum 4 σ² T / (1 + (2π f T)²), f in Hz, σ = `sigma_mps`, T = `time_s`; both,
-    and `rngs`, of each of R runs.
+    One-sided spectrum 4 σ² T / (1 + (2π f T)²), f in Hz, σ = `sigma_mps`, T = `time_s`; these and
+    `rngs` have one entry for each of R runs.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class Gusts:
         self._now: Array | None = None
 
     def step(self, h_s: float) -> Array:
-        """The gusts (R, 2) in m/s of this step, north and east; on to the next step."""
+        """The gusts (R, 2) of this step, m/s, north and east; go to the next step."""
         normals = self._normals.step()
         if self._now is None:
             self._now = self._sigma_mps * normals
@@ -66,7 +66,7 @@ class Gusts:
 class Wind:
     """The wind's force on N boats of each of R runs.
 
-    `mean_mps` (R): velocity of the air, north and east; `boats` (R, N).
+    `mean_mps` (R): mean velocity of the air, north and east; `boats` (R, N).
     """
 
     def __init__(

@@ -20,7 +20,7 @@ from sil.report import plots
 from sil.report.figures import Trace
 
 _LEAST_M = 1e-5
-# the title makes room for the times above the boats
+# the title leaves room for the times above the boats
 _STYLE: dict[Any, Any] = {"figure.dpi": 130, "font.size": 9.5, "axes.titlepad": 14.0}
 _ABOVE: dict[str, Any] = {
     "loc": "lower right",
@@ -36,9 +36,9 @@ def picture(
 ) -> Figure:
     """Map of the first run of the product's law, distances of both laws' runs.
 
-    One run a law: a line a boat. More: median and 5 to 95 % of the worst boat's distance. Traces
-    have t_s (T), eta (T, N+1, 3) and error (T, N, 3), the same times in all; `baseline` may be
-    empty.
+    With one run for each law, each boat has a line. With more, the picture shows the median and 5
+    to 95 % of the worst boat's distance. Traces have t_s (T), eta (T, N+1, 3) and error (T, N, 3),
+    the same times in all; `baseline` may be empty.
     """
     t_s, eta = product[0]["t_s"], product[0]["eta"]
     shown = max(2, int(np.searchsorted(t_s, t_s[0] + map_s, side="right")))
@@ -58,7 +58,7 @@ def picture(
         over_time.set_ylim(bottom=max(_LEAST_M, min(0.5 * limit_m, low)))
         handles, labels = chart.get_legend_handles_labels()
         if eta.shape[1] - 1 > len(COLOURS):
-            # colours repeat: they tell nobody which boat it is
+            # colours repeat, so they do not identify boats
             handles, labels = [handles[0], handles[-1]], [labels[0], labels[-1]]
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 9))
     return figure
@@ -108,7 +108,7 @@ def _draw_limit(axes: Axes, t_s: Array, limit_m: float) -> None:
 
 
 def _distances(trace: Trace) -> Array:
-    # zero has no logarithm
+    # the logarithm of zero does not exist
     return np.maximum(metrics.distances(trace["error"]), 0.1 * _LEAST_M)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draws a run's pictures in a process of its own, which loads matplotlib while the boats sail."""
+"""Draws a run's pictures in a separate process, which loads matplotlib while the boats sail."""
 
 import io
 import multiprocessing
@@ -25,7 +25,7 @@ def draw(
 ) -> Pictures:
     """The PNGs of a run: "formation", "errors" and "thrust"; arguments as `sil.report.plots`.
 
-    None without matplotlib, which only the extra [view] installs.
+    Returns None without matplotlib, which only the extra [view] installs.
     """
     if not CAN_DRAW:
         return {}
@@ -39,14 +39,14 @@ def draw(
     pictures = {}
     for stem, figure in figures.items():
         png = io.BytesIO()
-        # a tenth larger than at the default level, in two thirds of the time
+        # a tenth larger than with the default level, in two thirds of the time
         figure.savefig(png, format="png", pil_kwargs={"compress_level": 1})
         pictures[stem] = png.getvalue()
     return pictures
 
 
 class Drawing:
-    """A context manager: `begin` once the run's trace is there, then `pictures` waits for them."""
+    """A context manager: call `begin` once the trace exists; `pictures` waits for the result."""
 
     def __init__(self) -> None:
         context: Any = multiprocessing.get_context("fork")
@@ -65,7 +65,7 @@ class Drawing:
 
     @property
     def process_id(self) -> int:
-        """Of the process that draws."""
+        """Id of the process that draws."""
         return int(self._process.pid)
 
     def begin(
@@ -75,7 +75,7 @@ class Drawing:
         limits_N: Sequence[tuple[float, float]],
         root: str = "virtual leader",
     ) -> None:
-        """Have the pictures drawn; arguments as `draw`."""
+        """Order the pictures; arguments as `draw`."""
         self._order = (name, {array: trace[array] for array in _DRAWN}, limits_N, root)
         try:
             self._ours.send(self._order)
@@ -83,7 +83,7 @@ class Drawing:
             return  # the process is gone; pictures() draws them here
 
     def pictures(self) -> Pictures:
-        """The pictures; drawn here where the process cannot."""
+        """The pictures; this process draws them if the other one cannot."""
         assert self._order is not None
         try:
             drawn: Pictures = self._ours.recv()
@@ -93,7 +93,7 @@ class Drawing:
 
 
 def _serve(orders: Connection, other_end: Connection) -> None:
-    """Draw one order; Ctrl-C is the other process's to answer, whose end closes the pipe."""
+    """Draw one order. Ctrl-C is left to the parent process, whose end closes the pipe."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     other_end.close()
     if CAN_DRAW:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Figures by which runs are judged, each that of the worst boat.
+"""Figures of runs, each for the worst boat.
 
-They are taken from trace arrays as in trace.npz (`sil.lockstep.metrics`), and infinite where there
-is nothing to take: a boat that never settled, a leader that never stopped.
+They are computed from trace arrays as in trace.npz (`sil.lockstep.metrics`), and infinite if
+undefined: for example, if a boat never settled or a leader never stopped.
 """
 
 from collections.abc import Iterator, Mapping
@@ -42,19 +42,19 @@ def thrust_rms_N(trace: Trace) -> float:
 
 
 def thrust_change_N(trace: Trace) -> float:
-    """RMS change of a propeller's thrust from tick to tick over the last third, as there."""
+    """RMS change of a propeller's thrust from tick to tick over the last third, likewise."""
     return float(metrics.thrust_step_rms_N(trace["thrust"][_last_third(trace)]).max())
 
 
 def driven_astray(trace: Trace) -> float:
-    """How many boats have thrust and are more than 1 m off their slots, in the last third."""
+    """Number of boats that have thrust and are more than 1 m off their slots, in the last third."""
     late = _last_third(trace)
     off = metrics.distances(trace["error"])[late].max(axis=0) > 1.0
     return float(np.count_nonzero(off & trace["thrust"][late].any(axis=(0, 2))))
 
 
 def overshoot_m(trace: Trace) -> float:
-    """How far a boat moved away from its slot again, once it had been within 2 m of it."""
+    """Distance that a boat moved away from its slot again, after it had been within 2 m of it."""
     largest = 0.0
     for distance in metrics.distances(trace["error"]).T:
         arrival = np.flatnonzero(distance < ARRIVED_M)
@@ -66,9 +66,9 @@ def overshoot_m(trace: Trace) -> float:
 
 
 def turns_at_a_stop(trace: Trace) -> float:
-    """Turns between a boat's extreme headings while agent 0 is stopped, a circle being one.
+    """Turns between a boat's extreme headings while agent 0 is stopped; a full circle is 1.
 
-    It is stopped from when its speed falls under 0.05 m/s until it no longer is.
+    Agent 0 is stopped while its speed is below 0.05 m/s.
     """
     psi = np.unwrap(trace["eta"][:, 1:, 2], axis=0)
     turned = [np.ptp(psi[stop], axis=0).max() / (2.0 * np.pi) for stop in _stops(trace)]
@@ -76,7 +76,10 @@ def turns_at_a_stop(trace: Trace) -> float:
 
 
 def deviation_from_reference(trace: Trace) -> float:
-    """Largest deviation of e_x, e_y (m), e_ψ (rad) from the continuous-time `diamond`, each 1 s."""
+    """Largest deviation of e_x, e_y (m), e_ψ (rad) from the continuous-time `diamond`.
+
+    The deviation is taken at each whole second.
+    """
     table = np.genfromtxt(REFERENCE, delimiter=",", names=True)
     t_s, error = trace["t_s"], trace["error"]
     seconds = np.arange(int(t_s[-1] + 1e-6) + 1)
@@ -99,7 +102,7 @@ def roots_yaw_rate_radps(trace: Trace) -> float:
 
 
 def yaw_rate_growth(trace: Trace) -> float:
-    """The last boat's largest yaw rate from 100 s on over that of boat 2."""
+    """Ratio of the last boat's largest yaw rate from 100 s on to that of boat 2."""
     yaw_rates = _yaw_rates(trace)
     return float(yaw_rates[-1] / yaw_rates[2])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a run comes to, in one line, for the first line of its report and of the terminal."""
+"""The verdict on a run in one line, for the top of its report and for the terminal."""
 
 import math
 from typing import Literal, NamedTuple
@@ -14,10 +14,10 @@ Level = Literal["good", "fair", "bad"]
 
 
 class Verdict(NamedTuple):
-    """One line, and its level.
+    """A line of text, and its level.
 
-    "bad": boats came too near, or one was in no state in which the law drives; "fair": one does
-    not stay in its slot to the end.
+    "bad": two boats came too near, a boat was in a state in which the law does not drive it, or its
+    error was not finite. "fair": a boat does not stay in its slot to the end.
     """
 
     level: Level
@@ -32,8 +32,8 @@ class Verdict(NamedTuple):
 def of_run(summary: Summary) -> Verdict:
     """The verdict of a run.
 
-    Boats are in their slots where they stay within 0.05 m of them to the end (settling time). Two
-    boats are too near where their reference points come nearer than a hull is long.
+    A boat is in its slot if it stays within 0.05 m of it to the end (settling time). Two boats are
+    too near if their reference points come nearer than a hull's length.
     """
     boats = summary["boats"]
     wrong = [*_states(boats), *_separation(summary)]
@@ -66,17 +66,18 @@ def _states(boats: list[BoatSummary]) -> list[str]:
 
 def _separation(summary: Summary) -> list[str]:
     least_m, hull_m = summary["min_separation_m"], summary["hull_m"]
-    # "not over" rather than "under": NaN is no distance
+    # "not at least" rather than "under": NaN is not a distance
     if least_m is None or least_m >= hull_m:
         return []
     return [f"two boats came nearer than a hull is long, {hull_m:g} m"]
 
 
 class Ended(NamedTuple):
-    """How many runs of a campaign ended how; a run may have settled and be too near.
+    """Numbers of a campaign's runs by their end; a run can be both settled and too near.
 
-    `settled`: every boat stays within 0.05 m of its slot to the end; `near`: two boats' reference
-    points came nearer than the longest hull is long, `hull_m`; None for single boats.
+    `settled`: every boat stays within 0.05 m of its slot to the end. `near`: two boats' reference
+    points came nearer than the length of the longest hull, `hull_m`; None if runs have one boat
+    each.
     """
 
     runs: int
@@ -100,7 +101,7 @@ def of_campaign(ended: Ended) -> Verdict:
 
 
 def length(metres: float) -> str:
-    """A distance for people: millimetres where it is short."""
+    """A distance as text; short distances are in millimetres."""
     return f"{1000.0 * metres:.1f} mm" if metres < 0.01 else f"{metres:.2f} m"
 
 

@@ -27,9 +27,9 @@ from sil.scenario.scenario import Scenario
 from sil.view.history import boats_of
 from sil.view.recorded import history_of, said_of
 
-# Boats stop where their own state is 0.5 s old, which is the firmware's default.
+# Boats stop if their own state is 0.5 s old, the firmware's default.
 _LATE_US = 300_000
-_TCP_FROM = 5760  # as other simulators' boats
+_TCP_FROM = 5760  # port of boat 1, as in other simulators
 
 
 def run(
@@ -42,9 +42,9 @@ def run(
     """Sail `scenario`, show progress and a table, write the results into `out`.
 
     Writes recording.bin, trace.npz, summary.json, the pictures and report.html, each whole or not
-    at all. `command` is what a reader types to repeat the run. Raises ValueError for a parameter
-    that the firmware refuses, StartError where the boats cannot be put into FORMATION,
-    PolicyViolationError where one breaks a rule of the firmware; the recording is there then.
+    at all. `command` repeats the run. Raises ValueError for a parameter that the firmware refuses,
+    StartError if the boats cannot be put into FORMATION, and PolicyViolationError if one breaks a
+    rule of the firmware; the recording then exists.
     """
     world = World(scenario, param_overrides)
     out.mkdir(parents=True, exist_ok=True)
@@ -66,13 +66,13 @@ def live(
     mavlink: str | None = None,
     gcs: str | None = None,
 ) -> Summary:
-    """Sail `scenario` in real time, a flotillad a boat, and leave the same results but no digest.
+    """Sail `scenario` in real time, with a flotillad for each boat; leave the same results.
 
-    `bus` is the address of boat 1's bus; `mavlink` is where what is said over the radio is
-    repeated; `gcs` is a ground station that may command the boats. Raises as `run`, and OSError or
-    can.CanError where the bus or another address cannot be opened.
+    Live runs have no digest. `bus` is the address of boat 1's bus; `mavlink` is the address to
+    which all radio traffic is repeated; `gcs` is a ground station that may command the boats.
+    Raises as `run`, and OSError or can.CanError if the bus or another address cannot be opened.
     """
-    # The bus's libraries are for live runs alone.
+    # Only live runs need the bus's libraries.
     from sil.live import live_world  # noqa: PLC0415
 
     if scenario.fault:
@@ -89,10 +89,10 @@ def live(
             taken = "" if port == wished else f" ({wished} is taken)"
             console.print(f"boat {system} is at tcp:127.0.0.1:{port}{taken}")
         tracer = world.run(program, out, progress)
-        console.print(f"the world was {world.late_us / 1000:.1f} ms behind its time at most")
+        console.print(f"the simulation was at most {world.late_us / 1000:.1f} ms late")
         if world.late_us > _LATE_US:
             console.print(
-                "[bold red]this machine was too slow for real time: the boats were told too late"
+                "[bold red]this machine was too slow for real time: the boats' data came too late"
             )
     result = Run(tracer.trace(0), tracer.seconds(0), None)
     wall_s = time.perf_counter() - began_s
@@ -102,7 +102,7 @@ def live(
 
 
 def _remove_earlier(out: Path, boats: int) -> None:
-    """Of an earlier run in the folder: what a live run does not leave, and its boats' logs."""
+    """Remove an earlier run's logs, and its files that a live run does not write."""
     for name in ("recording.bin", "run.mcap"):
         (out / name).unlink(missing_ok=True)
     for system in range(1, boats + 1):
@@ -138,7 +138,7 @@ def _finish(
     afloat = boats_of(scenario)
     limits_N = [boat.limits_N for boat in afloat if boat.limits_N is not None]
     drawing.begin(scenario.name, trace, limits_N, scenario.leader.name)
-    # of what diverged, figures are not finite
+    # figures of a diverged run are not finite
     with np.errstate(all="ignore"):
         boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states)
         separation_m = metrics.min_separation_m(trace["eta"])
@@ -191,7 +191,7 @@ def _finish(
 def save(out: Path, summary: Summary, trace: Mapping[str, Array]) -> None:
     """Write trace.npz and summary.json into the existing folder `out`.
 
-    What is not finite in the summary is null there.
+    Numbers of the summary that are not finite become null.
     """
     part = out / ".trace.part.npz"
     # numpy's own savez_compressed takes four times as long for a tenth less.

@@ -19,9 +19,9 @@ from sil.plant.hull import Array
 _WIDTH_IN = 8.0
 _SHOWN_SAMPLES = 3000
 _FARTHEST_M = 1e6
-_LEAST_M, _MOST_LEAST_M = 1e-5, 1e-3  # between these the axis of errors begins
+_LEAST_M, _MOST_LEAST_M = 1e-5, 1e-3  # limits for the lower end of the axis of errors
 _LEGEND_COLUMNS = 6
-_AT_LIMIT = 1e-3  # of the range between the limits
+_AT_LIMIT = 1e-3  # share of the range between the limits
 VIRTUAL_LEADER = "virtual leader"
 DASHED = (0, (4, 3))
 HALO = patheffects.withStroke(linewidth=3, foreground="white")
@@ -47,12 +47,12 @@ STYLE: dict[Any, Any] = {
 
 
 def formation(name: str, trace: Mapping[str, Array], root: str = VIRTUAL_LEADER) -> Figure:
-    """Paths north up and east right, with the formation at evenly spaced times.
+    """Paths, north up and east right, with the formation at evenly spaced times.
 
-    `root` is what agent 0 is called.
+    `root`: the name of agent 0.
 
-    One map of the first fifth of the run, in which the formation closes up, one of all of it; or
-    of as much as can be drawn where an agent's state is not finite from some tick on.
+    One map shows the first fifth of the run, in which the formation closes up, another the whole
+    run. If an agent's state stops being finite, the maps end there.
     """
     count = _drawable(trace["eta"])
     t_s, eta = trace["t_s"][:count], trace["eta"][:count]
@@ -86,7 +86,7 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
     step = _step(t_s)
     distance = metrics.distances(trace["error"][::step])
     least_m = _least_decade(distance)
-    # zero has no logarithm
+    # the logarithm of zero does not exist
     distance = np.maximum(distance, 0.1 * least_m)
     distance[~(distance < _FARTHEST_M)] = np.nan
     with matplotlib.rc_context(STYLE):
@@ -119,8 +119,8 @@ def thrust(
 ) -> Figure:
     """Port and starboard thrust of each boat over time, on one scale; short peaks as numbers.
 
-    `limits_N`: of each boat, least and greatest thrust of one propeller. They are lines where the
-    scale reaches that far; where a propeller gives no more than a limit, the time is marked.
+    `limits_N`: for each boat, least and greatest thrust of one propeller. They are drawn as lines
+    if the scale reaches them; times at which a propeller is at a limit are marked.
     """
     t_s, values = trace["t_s"], trace["thrust"]
     step, count = _step(t_s), values.shape[1]
@@ -153,7 +153,7 @@ def thrust(
 
 
 def _lay_out(figure: Figure, height_in: float, between: float, rows: int = 1) -> None:
-    """Margins by hand, which matplotlib would search for longer than it draws."""
+    """Set the margins directly: matplotlib would take longer to find them than to draw."""
     bottom, top = (0.6 + 0.25 * rows) / height_in, 1.0 - 0.6 / height_in
     figure.subplots_adjust(left=0.1, right=0.97, bottom=bottom, top=top, hspace=between)
 
@@ -170,7 +170,7 @@ def _mark_limits(axes: Axes, t_s: Array, thrust_N: Array, limits_N: tuple[float,
     if share > 0.0:
         edges = np.flatnonzero(np.diff(np.concatenate([[False], full, [False]])))
         begins, ends = t_s[edges[::2]], t_s[edges[1::2] - 1]
-        shown = np.maximum(ends - begins, 1e-3 * np.ptp(t_s))  # a single tick is to be seen too
+        shown = np.maximum(ends - begins, 1e-3 * np.ptp(t_s))  # a single tick must be visible too
         along_top = axes.get_xaxis_transform()
         spans = list(zip(begins, shown, strict=True))
         axes.broken_barh(spans, (0.94, 0.06), transform=along_top, color=BAD)
@@ -182,7 +182,8 @@ def _mark_limits(axes: Axes, t_s: Array, thrust_N: Array, limits_N: tuple[float,
 def plain_decades(axes: Axes) -> None:
     """Mark a logarithmic ordinate at its decades alone, "0.01" rather than a power of ten.
 
-    Powers need a parser that takes as long as a picture, ticks between longer than all lines.
+    Powers need a parser that takes as long as a whole picture; minor ticks take longer than all
+    lines.
     """
     axes.yaxis.set_minor_locator(NullLocator())
     decimal = FuncFormatter(lambda value, _: np.format_float_positional(value, trim="-"))
@@ -200,7 +201,8 @@ def draw_map(
 ) -> None:
     """Paths of `eta` (T, N+1, 3), north up, with the formation at evenly spaced times.
 
-    A hull is drawn 1 m long, or longer: `hull_share` of the paths' extent. `root`: agent 0's name.
+    A hull is drawn 1 m long, or `hull_share` of the paths' extent if that is more. `root`: agent
+    0's name.
     """
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="east (m)", ylabel="north (m)")
@@ -233,7 +235,7 @@ def draw_map(
 
 
 def around(eta: Array) -> list[int]:
-    """Boats in the order in which they stand around their middle: joined, lines do not cross."""
+    """Boats in order around their centre, so that lines that join them do not cross."""
     north, east = (eta[:, :2] - eta[:, :2].mean(axis=0)).T
     return list(np.argsort(np.arctan2(east, north)))
 
@@ -253,7 +255,7 @@ def _label_ends(axes: Axes, values: Array) -> None:
     wanted = (np.log10(values) - low) / (high - low)
     order = np.argsort(wanted)
     steps = gap * np.arange(order.size)
-    # pushed up from below and down from above; the mean leaves a bunch around its place
+    # pushed up from below and down from above; the mean keeps a bunch around its place
     pushed_up = np.maximum.accumulate(wanted[order] - steps) + steps
     pushed_down = np.minimum.accumulate((wanted[order] - steps)[::-1])[::-1] + steps
     for i, place in zip(order, (pushed_up + pushed_down) / 2.0, strict=True):
@@ -262,7 +264,7 @@ def _label_ends(axes: Axes, values: Array) -> None:
 
 
 def _drawable(eta: Array) -> int:
-    """How many ticks of `eta` (T, N+1, 3) there are before an agent is nowhere near its start."""
+    """Number of ticks of `eta` (T, N+1, 3) before an agent is too far from its start."""
     # "not less" rather than "more": NaN is nowhere
     lost = ~(np.abs(eta[..., :2] - eta[0, :, :2]) < _FARTHEST_M) | ~np.isfinite(eta[..., 2:])
     lost_ticks = np.flatnonzero(lost.any(axis=(1, 2)))
@@ -276,7 +278,7 @@ def _least_decade(distance: Array) -> float:
 
 
 def _last_finite(values: Array) -> Array:
-    """Of each column of `values` (T, N) the last that is finite (N); the settling level if none."""
+    """Last finite value (N) of each column of `values` (T, N); the settling level if none."""
     found = np.full(values.shape[1], metrics.SETTLED_M)
     for row in values:
         found = np.where(np.isfinite(row), row, found)

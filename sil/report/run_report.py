@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Report of a run for people: pictures, a page that carries them, a table for the terminal."""
+"""The report of a run: pictures, a page that contains them, a table for the terminal."""
 
 import base64
 import math
@@ -55,8 +55,8 @@ def write(
     """Write formation.png, errors.png, thrust.png and report.html into an existing directory.
 
     `trace`: arrays as in trace.npz. `command`: the shell command that repeats the run. `pictures`:
-    as `sil.report.drawing.draw` makes them. `told`: the run's history as `sil.view.history` has it,
-    for the replay; by default what the trace tells. Each file appears whole or not at all.
+    as `sil.report.drawing.draw` makes them. `told`: the run's history from `sil.view.history`, for
+    the replay; by default the history from the trace alone. Each file appears whole or not at all.
     """
     for stem, picture in pictures.items():
         files.replace(directory / f"{stem}.png", picture)

@@ -2,4 +2,4 @@
 """The published results: the runs, their limits, their pages."""
 
 SEEDS = 40
-"""Number of fleets with unknown hulls that are sailed for one published figure."""
+"""Number of fleets with unknown hulls that each published figure is based on."""

@@ -13,8 +13,9 @@ BASELINE: Law = "paper"
 PRODUCT: Law = "product"
 LAWS = (BASELINE, PRODUCT)
 
-# The firmware's defaults, and a navigation unit as users have it: what lies over a scenario that is
-# sailed with the product's law. The paper has neither slew nor rates: its law sails the file as is.
+# The firmware's defaults, and a navigation unit as users have it: these override a scenario that is
+# sailed with the product's law. The paper has neither slew limit nor rates: its law sails the file
+# unchanged.
 _UNIT = "navigation.rate_hz=10.0"
 _STATE = "parameters.SR_STATE=10.0"
 _SLEW = "parameters.THR_SLEW=5.0"
@@ -32,9 +33,9 @@ DEFAULTS = (*_RATES, *_THRUST)
 class Bound:
     """A figure of a run and its bound.
 
-    `key` names it in results.json, `what` and `unit` for people. `reached` judges the baseline's
-    and the product's figure, in this order; infinite and NaN figures miss any bound. Without a
-    `to_reach` the figure is printed for comparison only.
+    `key` names it in results.json; `what` and `unit` name it in tables. `reached` judges the
+    baseline's and the product's figure, in this order; infinite and NaN figures miss any bound.
+    Without `to_reach` the figure is printed for comparison only.
     """
 
     key: str
@@ -50,9 +51,9 @@ class Bound:
 class Claim:
     """A scenario in a few words and its bounds; the first, `limit_m`, is the distance to the slot.
 
-    `limit_m` is infinite where boats cannot hold their slots and must stop.
-    `map_s`: part of the run that its map shows. `many_seeds`: figures are 95th percentiles.
-    `defaults`: overrides with the product's defaults for its law, except what the scenario tests.
+    `limit_m` is infinite if boats cannot hold their slots and must stop. `map_s`: part of the run
+    that its map shows. `many_seeds`: figures are 95th percentiles. `defaults`: overrides with the
+    product's defaults for its law, except what the scenario tests.
     """
 
     about: str
@@ -63,12 +64,12 @@ class Claim:
     defaults: tuple[str, ...] = DEFAULTS
 
     def settings(self, law: Law) -> tuple[str, ...]:
-        """Overrides of the scenario with which `law` sails it."""
+        """Overrides of the scenario for a run with `law`."""
         return self.defaults if law == PRODUCT else ()
 
     @property
     def bounds(self) -> tuple[Bound, ...]:
-        """All bounds, that on the distance from the slot first."""
+        """All bounds; the bound on the distance from the slot comes first."""
         what = "RMS distance from the slot, last third"
         return (_at_most(self.limit_m, "rms_error_m", what, "m", figures.rms_error_m), *self.others)
 

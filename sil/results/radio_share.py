@@ -26,7 +26,7 @@ from sil.wire.mavlink_frames import frames
 BAUD = 57_600
 BITS_PER_BYTE = 10  # 8N1
 SIGNATURE = 13  # bytes
-BOAT = 2  # has a leader that is a boat, and a follower
+BOAT = 2  # has a leader that is a boat, and has a follower
 RADIO = 1  # number of the radio's link
 
 # One boat: the target share, and parameters that meet it where the defaults do not.

@@ -39,7 +39,10 @@ _INTERRUPTED = 130
 
 
 def main(options: argparse.Namespace) -> int:
-    """Exit status: 0; 1 if a bound is missed or a run failed; 2 usage error; 130 interrupted."""
+    """Run the command; returns its exit status.
+
+    0; 1 if a bound is missed or a run failed; 2 after a mistake of the caller; 130 if interrupted.
+    """
     console = Console()
     unknown = [name for name in options.only or () if name not in CLAIMS]
     if unknown:
@@ -78,7 +81,7 @@ def main(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace, console: Console) -> int:
-    """Exit status: 0; 1 if a figure in the other scalar differs from float's."""
+    """Compare two scalars; exit status 1 if a figure differs from float's, else 0."""
     in_float, other = (
         _sail(jobs(options, (f"scalar='{scalar}'",)), options.workers, console)
         for scalar in ("float", options.scalar)

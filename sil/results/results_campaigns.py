@@ -26,7 +26,7 @@ class MonteCarlo(NamedTuple):
     """A campaign's published figures; distances: median and 95th percentile from 100 s on.
 
     `ended`: number of runs by ending; `late_m` (N, 2): distances of each boat over all runs;
-    `runs_m` (R, N, 2): of each run.
+    `runs_m` (R, N, 2): distances in each run.
     """
 
     scenario: str

@@ -10,7 +10,8 @@ from sil.results.claims import CLAIMS, PRODUCT
 from sil.results.results_table import percentile, told
 from sil.results.sailing import Job, Outcome
 
-# of the S-curve: surge_N 2 is 0.58 m/s, 3.436 is 1.0 m/s; a yaw moment of 0.3024 N m is 0.35 rad/s
+# inputs of the S-curve: surge_N 2 is 0.58 m/s, 3.436 is 1.0 m/s; a yaw moment of 0.3024 N m is 0.35
+# rad/s
 _S_CURVE = "yaw_sine_Nm=0.3, yaw_sine_rad_s=0.3"
 _FASTER = (
     f"leader.input=[{{surge_N=2.0, {_S_CURVE}}}, {{from_s=150.0, surge_N=3.436, {_S_CURVE}}}]",

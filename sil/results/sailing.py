@@ -35,7 +35,7 @@ class Job(NamedTuple):
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of a run, or why it failed.
+    """The result of a run, or the reason why it failed.
 
     `figures` by `claims.Bound.key`; `trace`: t_s, eta, error at evenly spaced ticks.
     """

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Flotilla beside other ways to sail a plan: the same hull, sensors, propellers and weather."""
+"""Compares Flotilla with other ways to sail a plan, under equal conditions.
+
+Hull, sensors, propellers and weather are the same for all.
+"""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What every rival is given: noisy states, and a hull as its firmware would know it.
+"""The inputs of every rival: noisy states, and a hull as its firmware would know it.
 
-Heading autopilot and speed loop, which line-of-sight guidance needs below it:
+Also the heading autopilot and the speed loop, which line-of-sight guidance needs as inner loops:
 
   N = m33 (ω² e_ψ + 2 ω (r_d − r)) + d33 r_d + k ∫ e_ψ dt        X = d11 u_d + k_u (u_d − u) + k_i ∫
 
@@ -17,9 +17,9 @@ Thrust = tuple[float, float]
 
 @dataclass(frozen=True)
 class Known:
-    """The hull that the firmware's parameters describe: SI, drag linear. Thrust of one propeller.
+    """The hull from the firmware's parameters, SI, with linear drag; thrust of one propeller.
 
-    Nobody knows the current, nor that one propeller is weak.
+    No rival knows the current, nor that one propeller is weak.
     """
 
     m11: float
@@ -48,16 +48,16 @@ class Helm(Protocol):
     """Steers one boat."""
 
     def steer(self, seen: Seen) -> Thrust:
-        """Thrusts wanted, port and starboard, N, until the next state."""
+        """Desired thrusts, port and starboard, N, until the next state."""
 
 
 def wrap(angle: float) -> float:
-    """To [−π, π)."""
+    """Wrap an angle, rad, to [−π, π)."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
 def allocate(known: Known, surge_N: float, yaw_Nm: float) -> Thrust:
-    """Thrusts of both propellers within their limits; yaw comes first."""
+    """Thrusts of both propellers within their limits; the yaw moment has priority."""
     half = max(-known.most_N, min(known.most_N, 0.5 * yaw_Nm / known.arm_m))
     room = known.most_N - abs(half)
     each = max(-room, min(room, 0.5 * surge_N))
@@ -65,7 +65,10 @@ def allocate(known: Known, surge_N: float, yaw_Nm: float) -> Thrust:
 
 
 class Autopilot:
-    """Heading and speed. `omega`: bandwidth of the heading, rad/s; `u_gain`: of the speed, 1/s."""
+    """Controls heading and speed.
+
+    `omega`: bandwidth of the heading loop, rad/s; `u_gain`: gain of the speed loop, 1/s.
+    """
 
     def __init__(self, known: Known, omega: float, u_gain: float = 1.0) -> None:
         self._known, self._omega, self._u_gain = known, omega, u_gain

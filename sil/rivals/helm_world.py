@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Sails rivals: the plant, sensors and propellers of scenarios, a helm in place of the firmware.
+"""Sails rivals in the plant of scenarios, with a helm in place of the firmware.
 
-A helm gets its unit's noisy states at the unit's rate, as the firmware does, and its thrusts go to
-the same propellers through a command of 14 bits, as in a RawCommand, until its next state.
+Sensors and propellers are the scenario's. A helm receives its unit's noisy states at the unit's
+rate, as the firmware does. Its thrusts go to the same propellers by a command of 14 bits, as in a
+RawCommand, and hold until its next state.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,14 +17,14 @@ from sil.scenario.fleet_bodies import bodies_of
 from sil.scenario.scenario import Scenario
 from sil.scenario.streams import SENSOR_STREAMS, generator
 
-_FULL = 8191  # RawCommand
-#: Makes the helms of a run's boats, None for one that drifts, and who is told all states first.
+_FULL = 8191  # greatest value of a RawCommand
+#: Makes the helms of a run's boats (None: it drifts), and a function called with all states.
 Told = Callable[[list[Seen]], None]
 Crew = Callable[[Scenario], tuple[Sequence[Helm | None], Told]]
 
 
 def known_to_the_firmware(scenario: Scenario) -> Known:
-    """The hull of boat 1 by its firmware's parameters."""
+    """The hull of boat 1 from its firmware's parameters."""
     own = scenario.firmware_parameters(scenario.boat[0])
     hull = {name: own[f"VES_{name.upper()}"] for name in ("m11", "m22", "m33", "d11", "d22", "d33")}
     most_N = min(own["THR_FWD_MAX"], own["THR_REV_MAX"])

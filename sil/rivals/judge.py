@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How well a boat sailed the rounded plan, and how well others kept their places beside it."""
+"""Judges how well a boat sailed the rounded plan, and how well its followers kept their places."""
 
 from dataclasses import dataclass
 
@@ -10,17 +10,20 @@ from sil.rivals.routes import arrival
 from sil.scenario.scenario import Scenario
 
 _THERE_M = 0.5
-_LEARNS_S = 20.0  # not judged: followers begin in their places and learn the current
+_LEARNS_S = (
+    20.0  # this first part is not judged: followers begin in their places and learn the current
+)
 _TRACK_EVERY = 5
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Of one route.
+    """The figures of one route.
 
-    `mean_m`, `worst_m`: distance of boat 1 from the rounded plan; `speed`: the planned time over
-    the time that it took to within 0.5 m of the end, 0 if it never came there; `followers_m`: the
-    worst follower's RMS distance from its place beside boat 1's true one, NaN without followers.
+    `mean_m`, `worst_m`: distance of boat 1 from the rounded plan. `speed`: the planned time over
+    the time until the boat came within 0.5 m of the end, 0 if it never did. `followers_m`: the
+    worst follower's RMS distance from its place relative to boat 1's true position, NaN without
+    followers.
     """
 
     mean_m: float
@@ -35,7 +38,7 @@ def figures(one: Scenario, eta: Array, keep_s: float, *, fleet: bool) -> Figures
     plan = plan[: arrival(plan, len(one.leader.waypoints)) + 1]
     end, track = plan[-1, :2], plan[::_TRACK_EVERY, :2]
     near = np.hypot(*(eta[:, 0, :2] - end).T) < _THERE_M
-    # Some routes pass near their end before: what is near counts after half of the time only.
+    # Some routes pass near their end earlier: only the second half of the time counts.
     half = round(0.5 * len(plan) * one.step_s / keep_s)
     near[:half] = False
     there = int(near.argmax()) if near.any() else len(eta)

@@ -4,11 +4,11 @@
   ILOS   ψ_d = χ_p − atan((y + κ y_i)/Δ)        ẏ_i = Δ y/(Δ² + (y + κ y_i)²)
   ALOS   ψ_d = χ_p − β̂ − atan(y/Δ)              β̂̇ = γ Δ y/√(Δ² + y²)
 
-y: cross-track, χ_p: the path's course, Δ: look-ahead, β̂: crab angle. Both feed the path's bend
-forward to the heading autopilot: r_d = κ_p u.
-Source: Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., chapter 12; for
-ALOS Fossen, An adaptive line-of-sight (ALOS) guidance law for path following of aircraft and marine
-craft, IEEE Transactions on Control Systems Technology 31 (6), 2023.
+y: cross-track error, χ_p: the path's course, Δ: look-ahead, β̂: crab angle. Both feed the path's
+curvature forward to the heading autopilot: r_d = κ_p u. Source: Fossen, Handbook of Marine Craft
+Hydrodynamics and Motion Control, 2nd ed., chapter 12; for ALOS Fossen, An adaptive line-of-sight
+(ALOS) guidance law for path following of aircraft and marine craft, IEEE Transactions on Control
+Systems Technology 31 (6), 2023.
 """
 
 import math
@@ -20,7 +20,7 @@ from sil.rivals.path import Path
 
 @dataclass(frozen=True)
 class Gains:
-    """`ahead_m`: Δ; `learns`: κ (ILOS, 1/s) or γ (ALOS, 1/(m s)); `omega`: of the autopilot."""
+    """`ahead_m`: Δ; `learns`: κ (ILOS, 1/s) or γ (ALOS, 1/(m s)); `omega`: the autopilot's."""
 
     ahead_m: float
     learns: float
@@ -50,7 +50,7 @@ class LineOfSight:
             psi_d = at.course_rad - math.atan(both / ahead)
             self._learnt += ahead * y / (ahead * ahead + both * both) * h_s
         r_d = at.curvature_1pm * at.speed_mps
-        # The speed along the path is the plan's, however much the boat crabs.
+        # The speed along the path is the plan's, whatever the crab angle.
         off = seen.psi - at.course_rad
         along = seen._replace(u=math.cos(off) * seen.u - math.sin(off) * seen.v)
         wrench = self._autopilot.wrench(along, psi_d, r_d, at.speed_mps, h_s)

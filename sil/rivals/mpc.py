@@ -4,12 +4,11 @@
   min Σ q_p |p − p_d|² + q_ψ (1 − cos(ψ − ψ_d)) + q_u (u − u_d)² + r |T|² + s |ΔT|²
   ν̇ = M⁻¹ (τ(T) − C(ν) ν − D ν) + d,  |T| ≤ T_max
 
-over 4 s in steps of 0.2 s. The plan's vessel is p_d, from the point beside the boat on. d, an
-acceleration that the model does not know (current, weak propeller), is learnt from how the measured
-velocity differs from the predicted one: without it the boat stays off the path. The model is the
-firmware's: linear drag, ideal propellers.
-Source: Pannocchia and Rawlings, Disturbance models for offset-free model-predictive control, AIChE
-Journal 49 (2), 2003.
+over 4 s in steps of 0.2 s. p_d is the plan's vessel, beginning at the point beside the boat. d is
+an acceleration that the model lacks (current, weak propeller). It is estimated from the difference
+between measured and predicted velocity; without it the boat stays off the path. The model is the
+firmware's: linear drag, ideal propellers. Source: Pannocchia and Rawlings, Disturbance models for
+offset-free model-predictive control, AIChE Journal 49 (2), 2003.
 """
 
 from typing import Any

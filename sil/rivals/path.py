@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The rounded plan as a path: where a boat is beside it, and what lies ahead.
+"""The rounded plan as a path: its point beside a boat, and its course ahead.
 
-The motion is that of Flotilla's own planner, so that all are judged by the same curve and speed.
+The motion is that of Flotilla's own planner, so that all rivals are judged by the same curve and
+speed.
 """
 
 from typing import NamedTuple
@@ -10,14 +11,14 @@ import numpy as np
 
 from sil.plant.hull import Array
 
-_BEHIND, _AHEAD = 50, 400  # samples: the boat does not leap along the path
+_BEHIND, _AHEAD = 50, 400  # search window, samples: the boat does not jump along the path
 
 
 class Beside(NamedTuple):
     """The path's point nearest to a boat.
 
-    `y_m`: how far the boat is to starboard of it; `course_rad`; `curvature_1pm`; `speed_mps`: the
-    plan's, a little ahead, as at its start it is 0.
+    `y_m`: the boat's distance to starboard of it; `course_rad`; `curvature_1pm`; `speed_mps`: the
+    plan's speed a little ahead, because it is 0 at the start.
     """
 
     k: int
@@ -28,14 +29,14 @@ class Beside(NamedTuple):
 
 
 class Path:
-    """A plan's motion (T, 10), every `h_s`, until it has arrived. One boat follows it."""
+    """A plan's motion (T, 10), every `h_s`, until its arrival, for one boat."""
 
     def __init__(self, motion: Array, h_s: float) -> None:
         self.motion, self.h_s = motion, h_s
         self._k = 0
 
     def beside(self, x: float, y: float, slack_s: float = 0.5) -> Beside:
-        """Where a boat at (x, y), m, is; it goes forward on the path."""
+        """The point beside a boat at (x, y), m; it only moves forward along the path."""
         first = max(0, self._k - _BEHIND)
         near = self.motion[first : self._k + _AHEAD, :2]
         self._k = first + int(np.hypot(near[:, 0] - x, near[:, 1] - y).argmin())

@@ -12,7 +12,7 @@ from sil.rivals.routes import ROUTES, WEATHERS
 PAGE = ROOT / "sil" / "docs" / "MEASUREMENTS.md"
 BEGIN, END = "<!-- rivals: made by flotilla rivals -->\n", "<!-- end -->"
 HEAD = ("route, weather", *(name for name in (OURS, *RIVALS)))
-#: In the page, the weather that was "still" is called calm, "sea" wind.
+#: Names of the weathers in the page: "still" is calm, "sea" is wind.
 NAMES = {"still": "calm", "sea": "wind"}
 
 Told = Mapping[str, Mapping[str, Figures]]  # by rival, by route
@@ -21,7 +21,7 @@ Told = Mapping[str, Mapping[str, Figures]]  # by rival, by route
 def sailed(
     weather: str, rivals: Sequence[str], say: Callable[[str], None] = lambda _: None
 ) -> dict[str, dict[str, Figures]]:
-    """All routes of a weather, by rival; `say` is told who sails."""
+    """Sail all routes in one weather; results by rival. `say` is called with each rival's name."""
     told = {}
     for name in rivals:
         say(f"{name}, {NAMES[weather]}")
@@ -53,7 +53,7 @@ def for_page(lines: Sequence[Sequence[str]], rivals: Sequence[str]) -> str:
 
 
 def write(table: str) -> None:
-    """Renew the page's table; ValueError if it has no place for it."""
+    """Replace the page's table; ValueError if the page has no place for it."""
     text = PAGE.read_text(encoding="utf-8")
     before, found, rest = text.partition(BEGIN)
     _, ended, behind = rest.partition(END)
@@ -63,7 +63,7 @@ def write(table: str) -> None:
 
 
 def make(rivals: Sequence[str], say: Callable[[str], None]) -> str:
-    """Sail all of them in both weathers: some ten minutes."""
+    """Sail all rivals in both weathers; takes about ten minutes."""
     lines: list[list[str]] = []
     for weather in WEATHERS:
         lines += rows(weather, sailed(weather, rivals, say))

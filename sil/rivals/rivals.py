@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The rivals, and their gains.
 
-Gains are the best of a grid, by the mean distance over all routes in calm weather with seed 2; what
-is published is sailed with seed 1, so that nobody was tuned to what it is judged by. Flotilla has
-its firmware's defaults and the two gains of `lead` that its hull gives.
+Gains are the best of a grid, by the mean distance over all routes in calm weather with seed 2. The
+published runs have seed 1, so that no rival is tuned to the runs by which it is judged. Flotilla
+has its firmware's defaults and the two gains of `lead` that depend on its hull.
 """
 
 import math
@@ -23,8 +23,8 @@ from sil.scenario.scenario import Scenario
 
 KEEP_S = 0.1
 OURS = "Flotilla"
-TUNED_WITH = 2  # seed
-_RADIO_S = 0.1  # between two of the leader's positions
+TUNED_WITH = 2  # seed of the tuning runs
+_RADIO_S = 0.1  # time between two of the leader's positions
 
 Gains = tuple[float, ...]
 GAINS: dict[str, Gains] = {
@@ -43,7 +43,7 @@ RIVALS = tuple(GAINS)
 
 
 def crew_of(name: str, gains: Gains) -> helm_world.Crew:
-    """The helms of a rival: of boat 1, and with Rover's Follow of those behind it."""
+    """The helms of a rival: for boat 1, and with Rover's Follow for the boats behind it."""
 
     def crew(one: Scenario) -> tuple[Sequence[Helm | None], helm_world.Told]:
         known = helm_world.known_to_the_firmware(one)
@@ -63,7 +63,7 @@ def crew_of(name: str, gains: Gains) -> helm_world.Crew:
 
 
 def _nobody(_: list[Seen]) -> None:
-    """Nobody hears the boat."""
+    """Ignore the states: no boat receives them."""
 
 
 def _rovers(
@@ -95,7 +95,7 @@ def sail(
     gains: Gains | None = None,
     most_s: float = math.inf,
 ) -> dict[str, Figures]:
-    """A rival, or Flotilla, along routes; `most_s`: at most so long, for a short look."""
+    """Sail a rival, or Flotilla, along routes; `most_s`: limit of the duration, for a test."""
     scenarios = scenarios_of(routes, weather, seed=seed)
     longest_s = min(most_s, scenarios[0].duration_s)
     scenarios = [one.model_copy(update={"duration_s": longest_s}) for one in scenarios]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Four routes and two weathers, along which boats that lead, and rivals, are compared.
+"""Four routes and two weathers, in which boats that lead and their rivals are compared.
 
 The routes are like those of Kyyrron/BlueBoat-Control (2026): a sine of 132 m, a square of 174.5 m,
 a lawnmower pattern of 228 m, sharp angles of 155.6 m.
@@ -12,7 +12,7 @@ from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
 
-STOPS_S = 15.0  # what a run is longer than its plan
+STOPS_S = 15.0  # time by which a run is longer than its plan
 
 Place = tuple[float, float]
 
@@ -62,7 +62,7 @@ def scenarios_of(
     position: tuple[float, float] = (0.02, 0.03),
     seed: int = 1,
 ) -> list[Scenario]:
-    """`lead` along these routes, all as long as the longest takes.
+    """The scenario `lead` along these routes, all with the duration of the longest.
 
     `position`: standard deviations of noise and drift, m.
     """
@@ -90,6 +90,6 @@ def scenarios_of(
 
 
 def arrival(plan: Array, points: int) -> int:
-    """The sample of a plan's motion at which it has arrived; its last if it does not."""
+    """The sample of a plan's motion at which it arrives; the last one if it does not."""
     there = plan[:, 9] >= points
     return int(there.argmax()) if there.any() else len(plan) - 1

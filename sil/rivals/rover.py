@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""A boat steered the way that ArduPilot's Rover documents, and its Follow mode.
+"""Steers a boat as the documentation of ArduPilot's Rover and its Follow mode describes.
 
-Our own writing, from the documentation of its parameters; none of its code is here, and what it
-does beyond them is not modelled. Navigation (PSC_*): velocity wanted = the target's + PSC_POS_P ×
-error of place; acceleration wanted = PSC_VEL_P × error of velocity, along the boat for its speed,
-across it for its turn, a_y/u. Below: rate and speed loops (ATC_STR_RAT_*, ATC_SPEED_*) with
-feed-forward, proportional and integral part, in shares of full thrust. Follow (FOLL_*): the target
-is the leader as it was heard, carried on by its velocity, with an offset to north and east;
-FOLL_POS_P in place of PSC_POS_P.
+This is our own implementation, from the documentation of Rover's parameters. It contains none of
+Rover's code and models nothing beyond the documentation. Navigation (PSC_*): desired velocity = the
+target's + PSC_POS_P × position error; desired acceleration = PSC_VEL_P × velocity error, along the
+boat for its speed, across it for its turn, a_y/u. Inner loops: rate and speed (ATC_STR_RAT_*,
+ATC_SPEED_*) with feed-forward, proportional and integral part, in shares of full thrust. Follow
+(FOLL_*): the target is the leader's last received state, extrapolated by its velocity, with an
+offset to north and east; FOLL_POS_P replaces PSC_POS_P.
 """
 
 import math
@@ -18,15 +18,15 @@ from dataclasses import dataclass
 from sil.rivals.helm import Known, Seen, Thrust, allocate, wrap
 from sil.rivals.path import Path
 
-_LEAST_MPS = 0.2  # below it a boat turns by its heading error alone
+_LEAST_MPS = 0.2  # below this speed, a boat turns by its heading error alone
 _TURN_P = 2.0  # ATC_STR_ANG_P
 _FASTEST_RADPS = 0.8
-_PIVOT_RAD = math.radians(60.0)  # WP_PIVOT_ANGLE: beyond it a boat turns before it goes on
+_PIVOT_RAD = math.radians(60.0)  # WP_PIVOT_ANGLE: beyond this angle, a boat turns before it goes on
 
 
 @dataclass(frozen=True)
 class Gains:
-    """PSC_POS_P, PSC_VEL_P (1/s), ATC_STR_RAT_P (share per rad/s); speed and rate I = P."""
+    """PSC_POS_P, PSC_VEL_P (1/s), ATC_STR_RAT_P (share per rad/s); for speed and rate, I = P."""
 
     pos: float
     vel: float
@@ -35,7 +35,7 @@ class Gains:
 
 @dataclass(frozen=True)
 class Target:
-    """Where a boat is wanted: place (m), velocity and acceleration, north and east."""
+    """The desired place (m), velocity and acceleration of a boat, north and east."""
 
     x: float
     y: float
@@ -49,7 +49,7 @@ Aim = Callable[[Seen], Target]
 
 
 class Rover:
-    """Steers after `target(seen)`."""
+    """Steers towards `target(seen)`."""
 
     def __init__(self, known: Known, target: Aim, gains: Gains) -> None:
         self._known, self._target, self._gains = known, target, gains
@@ -79,7 +79,7 @@ class Rover:
         most_N, most_Nm = 2.0 * hull.most_N, 2.0 * hull.most_N * hull.arm_m
         turn = hull.d33 / most_Nm * r_d + p * (r_d - seen.r) + self._rate_i
         push = hull.d11 / most_N * u_d + 0.6 * (u_d - seen.u) + self._speed_i
-        # Integrals rest while the propellers give all they can.
+        # Integrals stop while the propellers are at their limits.
         if abs(turn) + abs(push) < 1.0:
             self._rate_i = max(-0.5, min(0.5, self._rate_i + p * (r_d - seen.r) * h_s))
             self._speed_i = max(-0.5, min(0.5, self._speed_i + 0.2 * (u_d - seen.u) * h_s))
@@ -87,7 +87,7 @@ class Rover:
 
 
 def on_path(path: Path) -> Aim:
-    """The plan's vessel beside the boat, as Rover's navigation follows its S-curves."""
+    """The plan's vessel beside the boat, like the S-curves that Rover's navigation follows."""
 
     def target(seen: Seen) -> Target:
         at = path.beside(seen.x, seen.y)
@@ -101,7 +101,7 @@ def on_path(path: Path) -> Aim:
 
 
 class Heard:
-    """A leader's states as a follower gets them by radio: late, some lost, the newest counts."""
+    """A leader's states, as a follower receives them: late, some lost; the newest counts."""
 
     def __init__(self, delay_s: float, lost: Callable[[], bool], every_s: float) -> None:
         self._delay_s, self._lost, self._every_s = delay_s, lost, every_s
@@ -110,14 +110,14 @@ class Heard:
         self._next_s = 0.0
 
     def say(self, leader: Seen) -> None:
-        """The leader's unit has a new state."""
+        """Take a new state from the leader's unit."""
         if leader.t_s >= self._next_s:
             self._next_s = leader.t_s + self._every_s - 1e-6
             if not self._lost():
                 self._on_the_way.append(leader)
 
     def follow(self, offset_m: tuple[float, float]) -> Aim:
-        """The place beside the leader, carried on to the follower's time."""
+        """Aim at the place beside the leader, extrapolated to the follower's time."""
 
         def target(seen: Seen) -> Target:
             while self._on_the_way and self._on_the_way[0].t_s + self._delay_s <= seen.t_s:

@@ -16,10 +16,10 @@ _SYSTEMS = 250
 
 
 def systems_of(scenario: Scenario) -> list[int]:
-    """System id of every agent, the virtual leader first: boat i has i; after 250 ids repeat.
+    """System id of every agent, the virtual leader first: boat i has i; after 250, ids repeat.
 
-    A boat's id differs from its leader's, its leader's leader's and, unless these are more than
-    there are ids, its fellow followers'.
+    A boat's id differs from the ids of its leader and of its leader's leader. It also differs from
+    those of its fellow followers, unless they outnumber the ids.
     """
     systems = [VIRTUAL_LEADER_SYSTEM]
     # The ids that each agent hears: its own, its leader's, then its followers'.
@@ -38,13 +38,13 @@ def systems_of(scenario: Scenario) -> list[int]:
 
 
 def _leader_of(scenario: Scenario, agent: int) -> int:
-    """The agent whose system id is FORM_LEADER; 0, which nobody is, for a boat that leads."""
+    """The agent whose system id is FORM_LEADER; for a boat that leads, 0, which no boat has."""
     leader = scenario.heard_by(agent)
     return 0 if leader == agent else leader
 
 
 def parameters_of(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
-    """Firmware parameters of every boat: from its place, the scenario, then `overrides`."""
+    """Firmware parameters of every boat: its slot's, then the scenario's, then `overrides`."""
     systems = systems_of(scenario)
     return [
         {

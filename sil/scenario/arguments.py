@@ -20,32 +20,32 @@ def add_to(command: argparse.ArgumentParser, out: str) -> None:
     command.add_argument(
         "--law",
         choices=LAWS,
-        help="override the law; discards the scenario's LAW_* except LAW_KDU and LAW_KDR",
+        help="override the law; discards the scenario's LAW_* gains except LAW_KDU and LAW_KDR",
     )
     command.add_argument(
         "--param",
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="a firmware parameter of every boat; repeatable",
+        help="set a firmware parameter of every boat; repeatable",
     )
     command.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="a key of the scenario, as link.delay_s=0.1 or boat.2.eta=[0,0,0]; repeatable",
+        help="set a key: link.delay_s=0.1 or boat.2.eta=[0,0,0]; repeatable",
     )
 
 
 def add_workers_to(command: argparse.ArgumentParser) -> None:
-    """Add the number of processes that sail at once."""
+    """Add the option for the number of parallel processes."""
     command.add_argument(
         "--workers",
         type=count,
         default=os.cpu_count(),
         metavar="N",
-        help="processes of this machine (CPUs)",
+        help="number of parallel processes (number of CPUs)",
     )
 
 
@@ -72,7 +72,7 @@ def parameters_of(texts: list[str]) -> dict[str, float]:
 
 
 def _check_names(given: Iterable[str]) -> None:
-    import flotilla  # noqa: PLC0415 where there is nothing to check, nothing is imported
+    import flotilla  # noqa: PLC0415 imported only if there are parameters to check
 
     names = [parameter["name"] for parameter in flotilla.parameter_list()]
     for name in given:

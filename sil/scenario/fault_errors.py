@@ -12,7 +12,7 @@ from sil.scenario.toml_errors import KeyPath
 
 
 def is_escs(fault: Fault) -> bool:
-    """Whether it is a fault of ESCs."""
+    """Whether the fault concerns an ESC."""
     return KINDS[fault.kind].owner == "ESCs"
 
 

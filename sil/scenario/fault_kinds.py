@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The table of faults, as `sil/native/fleet/fault.hpp` has it."""
+"""The table of faults from `sil/native/fleet/fault.hpp`."""
 
 from dataclasses import dataclass
 
@@ -8,10 +8,10 @@ import flotilla
 
 @dataclass(frozen=True)
 class Kind:
-    """A fault: the part that fails, whether virtual leaders can have it, and its value.
+    """A fault: the part that fails, whether a virtual leader can have it, and its value.
 
-    `unit` is empty where it takes no value. `drawn`: the range that a soak draws the value from,
-    with either sign where `least` is negative; None where a soak never has it.
+    `unit` is empty if the fault takes no value. `drawn`: the range from which a soak draws the
+    value, with either sign if `least` is negative; None if a soak never draws this fault.
     """
 
     name: str

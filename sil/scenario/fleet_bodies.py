@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The plant of scenarios: bodies and the forces on them, from the scenarios' keys and seeds."""
+"""The plant of scenarios: builds bodies, and the forces on them, from keys and seeds."""
 
 from collections.abc import Sequence
 
@@ -18,7 +18,7 @@ _BECALMED = Windage(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def bodies_of(scenarios: Sequence[Scenario]) -> Bodies:
-    """The bodies of all agents in their initial state; every scenario has as many boats.
+    """The bodies of all agents in their initial state; all scenarios have the same number of boats.
 
     The virtual leader is a reference: only its input acts on it, and its hull is nominal.
     """
@@ -51,7 +51,7 @@ def hulls_of(scenario: Scenario) -> list[HullParameters]:
 def _forces_of(
     scenarios: Sequence[Scenario], hulls: Sequence[Sequence[HullParameters]]
 ) -> list[Force]:
-    """The weather's forces on the boats of each run; `hulls`: theirs."""
+    """The weather's forces on the boats of each run; `hulls`: the hulls of each run's agents."""
     forces: list[Force] = []
     if any(one.white_noise.power for one in scenarios):
         forces.append(_white_noise_of(scenarios))
@@ -82,7 +82,7 @@ def _wind_of(scenarios: Sequence[Scenario]) -> Wind:
         [one.wind.gust_s for one in scenarios],
         [generator(one.seed, Stream.GUSTS) for one in scenarios],
     )
-    # Without wind there is no air at all, rather than still air with its drag.
+    # Without wind there is no air at all: still air would add drag.
     windages = [
         [vessel.windage if _blows(one) else _BECALMED for vessel in one.vessels()[1:]]
         for one in scenarios

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`[formation]`: boats of a scenario by the shape of their formation instead of one by one."""
+"""`[formation]`: defines the boats of a scenario by the shape of their formation."""
 
 import math
 from collections.abc import Callable
@@ -17,11 +17,12 @@ Place = tuple[float, float]
 class Formation(Section):
     """Boats in a shape around the virtual leader, all behind it: their slots and their starts.
 
-    "line": abreast; "column": one behind the other, the first at the leader's place; "vee": as
-    geese fly; "diamond": a square of boats, one corner ahead; "circle": around the leader, the
-    first ahead; "grid": rows abreast, as many boats in a row as rows or one more. Where boat 1
-    leads, its place in the shape is the leader's. `spacing_m`: between neighbours. `turns`: the
-    shape turns with the leader's heading; else every slot keeps its bearing from it.
+    "line": abreast; "column": one behind the other, the first at the leader's place; "vee": like
+    flying geese; "diamond": a square of boats, one corner ahead; "circle": around the leader, the
+    first ahead; "grid": rows abreast, as many boats in a row as rows or one more. If boat 1 leads,
+    its place in the shape is the leader's. `spacing_m`: distance between neighbours. `turns`: the
+    shape turns with the leader's heading; otherwise every slot keeps its compass bearing from the
+    leader.
     """
 
     shape: Shape
@@ -31,12 +32,12 @@ class Formation(Section):
 
 
 def slots(formation: Formation) -> list[Place]:
-    """Slots ahead and to starboard of the leader, m, boat 1 first; ValueError where none fit."""
+    """Slots ahead and to starboard of the leader, m, boat 1 first; ValueError if there are none."""
     return _SHAPES[formation.shape](formation.boats, formation.spacing_m)
 
 
 class _Shaped(BaseModel):
-    """What `expand` needs of a document, so that errors name its keys."""
+    """The part of a document that `expand` needs, so that errors name its keys."""
 
     formation: Formation
 
@@ -44,8 +45,8 @@ class _Shaped(BaseModel):
 def expand(source: Source) -> None:
     """Complete a document: its leader's start by its waypoints, its boats by `[formation]`.
 
-    Single boats keep what `[boat.N]` says of them. ScenarioError where the formation is none, and
-    where a file gives a leader both waypoints and what they stand for.
+    Keys in `[boat.N]` override those of the formation. ScenarioError if the formation is invalid,
+    or if a file gives a leader both waypoints and the keys that they replace.
     """
     document = source.document
     leader = document.get("leader")
@@ -78,7 +79,7 @@ def expand(source: Source) -> None:
 
 
 def _is_route(points: Any) -> bool:
-    """Two places at least; else the scenario's own check says what is wrong."""
+    """Whether `points` has two places or more; if not, the scenario's own check reports it."""
     return (
         isinstance(points, list)
         and len(points) > 1

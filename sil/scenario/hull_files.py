@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A hull's parameters as files that ground stations load: `NAME.param` and `NAME.params`.
 
-`.param`: a line `NAME,VALUE` each, which Mission Planner and MAVProxy load, and flotillad by
-`--param-file`. `.params`: QGroundControl's five columns, separated by tabs.
+`.param`: one line `NAME,VALUE` for each parameter; Mission Planner and MAVProxy load it, and
+flotillad with `--param-file`. `.params`: QGroundControl's five columns, separated by tabs.
 """
 
 from sil.scenario import presets
@@ -11,7 +11,7 @@ _REAL32 = 9  # MAV_PARAM_TYPE
 
 
 def texts(name: str) -> dict[str, str]:
-    """The files of a hull by their suffixes; ScenarioError as `presets.path_of`."""
+    """The files of a hull by suffix; ScenarioError as `presets.path_of`."""
     hull = presets.load(name)
     values = presets.firmware(hull)
     head = [
@@ -23,7 +23,7 @@ def texts(name: str) -> dict[str, str]:
 
 
 def of_values(values: dict[str, float], head: list[str]) -> dict[str, str]:
-    """Both files of any parameters, under lines that begin with #."""
+    """Both files of the given parameters; the lines of `head` come first, as comments."""
     plain = [f"{parameter},{value:.9g}" for parameter, value in values.items()]
     columns = [f"1\t1\t{own}\t{value:.9g}\t{_REAL32}" for own, value in values.items()]
     return {
@@ -33,6 +33,6 @@ def of_values(values: dict[str, float], head: list[str]) -> dict[str, str]:
 
 
 def about(name: str) -> str:
-    """What boat it is: the first comment of its file."""
+    """The boat's description: the first comment of the hull's file."""
     lines = presets.path_of(name).read_text(encoding="utf-8").splitlines()
     return lines[1].removeprefix("# ")

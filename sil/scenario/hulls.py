@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`hull = "otter"`: a scenario's or a boat's hull by its name in `sil/hulls`."""
+"""`hull = "otter"`: selects a scenario's or a boat's hull by its name in `sil/hulls`."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,10 +16,10 @@ def is_hull(key: str) -> bool:
 
 
 def clear_base(own: Mapping[str, Any], base: dict[str, Any]) -> None:
-    """Take from a base what the hull of the file over it says: tables and firmware parameters.
+    """Remove from a base the tables and parameters that the hull of the derived file replaces.
 
-    So only keys of the file that names the hull change that hull. An unknown name is left to
-    `expand`, which knows its line.
+    Thus only keys of the file that names the hull can change that hull. `expand` reports an unknown
+    name, because it knows the line.
     """
     pairs = [(own, base)]
     boats, theirs = own.get("boat"), base.get("boat")
@@ -31,9 +31,9 @@ def clear_base(own: Mapping[str, Any], base: dict[str, Any]) -> None:
 
 
 def override(source: Source, text: str) -> None:
-    """Apply an override that names a hull: it replaces the file's hull, with its changes."""
+    """Apply an override that names a hull: it replaces the file's hull and changes to it."""
     key, _, value = text.partition("=")
-    # The path of a hull's file need not be quoted, which a shell takes away.
+    # The shell removes quotes, so the path of a hull's file needs none.
     bare = value.strip().endswith(".toml")
     source.override(f'{key}="{value.strip()}"' if bare else text)
     table, name = (
@@ -47,8 +47,8 @@ def override(source: Source, text: str) -> None:
 def expand(source: Source) -> None:
     """Complete a document: tables and firmware parameters of the hulls that it names.
 
-    What the document has of them wins. A hull has LAW_* parameters only where the law is the
-    product's, but for those that scale with the vessel. ScenarioError for an unknown name.
+    Keys of the document take precedence. With the paper's law, a hull sets only those LAW_*
+    parameters that scale with the vessel. ScenarioError for an unknown name.
     """
     document = source.document
     _expand(source, document, ())
@@ -61,7 +61,7 @@ def expand(source: Source) -> None:
 def _expand(source: Source, table: dict[str, Any], path: tuple[str, ...]) -> None:
     name = table.get("hull")
     if not isinstance(name, str):
-        return  # none, or one that the scenario's own check refuses
+        return  # no hull, or one that the scenario's own check refuses
     try:
         hull = presets.load(name)
     except ScenarioError as error:

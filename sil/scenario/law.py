@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The laws with which a scenario can be sailed: sets of LAW_* parameters."""
+"""The laws that can control a scenario's boats, as sets of LAW_* parameters."""
 
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
@@ -33,7 +33,7 @@ def parameters(law: Law) -> dict[str, float]:
 
 
 def kept(gains: Mapping[str, float], law: str) -> dict[str, float]:
-    """Parameters of a hull that go with `law`: with the paper's, no LAW_* but the vessel's."""
+    """Parameters of a hull under `law`; the paper's law drops LAW_* except those of the vessel."""
     return {
         name: value
         for name, value in gains.items()
@@ -45,7 +45,7 @@ def impose(law: Law, document: dict[str, Any]) -> None:
     """Set the law of a scenario's document, in place.
 
     Discards the document's LAW_* gains, for all boats or for one, except LAW_KDU and LAW_KDR. A
-    scenario whose law is the product's already keeps the gains for its vessels.
+    scenario that already has the product's law keeps its gains, which belong to its vessels.
     """
     if law == document.get("law", "product") == "product":
         return

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Hulls by name: `sil/hulls/NAME.toml` has a boat's numbers, each with its source or "estimate".
 
-A hull of the user's own, such as `flotilla identify` finds, is named by the path of its file.
+A hull of the user's own, such as the result of `flotilla identify`, is selected by the path of its
+file.
 
-The firmware has the hull's drag ahead and its yaw damping that grows with the speed as they are.
-Of what it lacks it is told straight lines through the hull's drag in a steady turn at cruise:
+The firmware gets the hull's drag ahead, and its yaw damping that grows with speed, unchanged. Its
+model lacks the other nonlinear terms; for them it gets linear coefficients that match the hull's
+drag in a steady turn at cruise:
 
-d̂11 = d11, d̂11q = d11q   d̂22 = Y/v   d̂33 = N/r − d33u U, d̂33u = d33u,   v from Y = −m11 U r
+    d̂11 = d11, d̂11q = d11q   d̂22 = Y/v   d̂33 = N/r − d33u U, d̂33u = d33u,   v from Y = −m11 U r
 
 U, r: speed and yaw rate at cruise; v: drift; Y, N: the hull's drag there (`sil.plant.hull`). The
-gains of the law are derived from these numbers by the firmware (`app/parameters/derived.hpp`).
+firmware derives the gains of the law from these numbers (`app/parameters/derived.hpp`).
 """
 
 import difflib
@@ -26,7 +28,7 @@ from sil.scenario.toml_errors import ScenarioError
 
 FOLDER = ROOT / "sil" / "hulls"
 _ITERATIONS, _STRIPS = 60, 400
-_LEAST_D = 0.01  # VES_D11 and VES_D33 begin there, or below
+_LEAST_D = 0.01  # not below the least VES_D11 and VES_D33
 DERIVED = (
     "LAW_KDU",
     "LAW_KDR",
@@ -38,14 +40,14 @@ DERIVED = (
 
 
 class Cruise(Section):
-    """The speed and the yaw rate (m/s, rad/s) for which the firmware's drag is right."""
+    """Speed (m/s) and yaw rate (rad/s) at which the firmware's linear drag equals the hull's."""
 
     speed_mps: Positive
     yaw_rate_radps: Positive
 
 
 class Preset(Section):
-    """A hull's file; the comments behind its numbers begin with a name in `sources`."""
+    """A hull's file; the comment on each number begins with a name in `sources`."""
 
     sources: dict[str, str]
     cruise: Cruise
@@ -54,17 +56,17 @@ class Preset(Section):
 
 
 def names() -> list[str]:
-    """The hulls there are."""
+    """The names of all hulls."""
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
 def is_known(name: object) -> bool:
-    """Whether a hull has that name, or it is the path of a hull's file."""
+    """Whether `name` is the name of a hull, or the path of a hull's file."""
     return isinstance(name, str) and (name in names() or Path(name).is_file())
 
 
 def path_of(name: str) -> Path:
-    """The file of a hull; ScenarioError for a name that none has."""
+    """The file of a hull; ScenarioError if there is none with that name."""
     if name.endswith(".toml") and Path(name).is_file():
         return Path(name)
     if name.endswith(".toml"):
@@ -79,7 +81,7 @@ def path_of(name: str) -> Path:
 
 @cache
 def load(name: str) -> Preset:
-    """The hull of that name; ScenarioError as `path_of`, or for a file that is no hull."""
+    """Read a hull; ScenarioError as `path_of`, or if the file is not a valid hull."""
     path = path_of(name)
     try:
         return Preset.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
@@ -90,7 +92,7 @@ def load(name: str) -> Preset:
 def firmware(preset: Preset) -> dict[str, float]:
     """The firmware's parameters for a boat with this hull: VES_*, THR_*, BOAT_LEN, gains derived.
 
-    The gains are told as -1, derive, so that none stays that was set for another hull.
+    The gains are -1 (derive), so that no gain remains that was set for another hull.
     """
     model, pair = linear(preset), preset.propellers
     own = {f"VES_{name.upper()}": getattr(model, name) for name in PAPER}
@@ -101,7 +103,7 @@ def firmware(preset: Preset) -> dict[str, float]:
         "THR_FWD_MAX": pair.forward_max_N,
         "THR_REV_MAX": pair.reverse_max_N,
         "THR_EXPO": pair.expo,
-        "THR_DEAD": 0.0,  # told of a dead band, it gives up what its observer finds it needs
+        "THR_DEAD": 0.0,  # else the firmware drops thrusts that its observer demands
         "THR_LAG": pair.lag_s,
     }
     if preset.vessel.length_m:
@@ -111,11 +113,11 @@ def firmware(preset: Preset) -> dict[str, float]:
 
 
 def linear(preset: Preset) -> HullParameters:
-    """The hull as the firmware has it, what it lacks as lines through cruise."""
+    """The hull in the firmware's model: terms that the model lacks are linear, exact at cruise."""
     hull, u, r = preset.vessel.hull, preset.cruise.speed_mps, preset.cruise.yaw_rate_radps
     x = hull.length_m * ((np.arange(_STRIPS) + 0.5) / _STRIPS - 0.5)
     v = d22 = swing = 0.0
-    for _ in range(_ITERATIONS):  # a contraction: more drift, more drag
+    for _ in range(_ITERATIONS):  # converges: more drift gives more drag
         v = 0.5 * (v - hull.m11 * u * r / (d22 or hull.d22))
         flow = v + x * r
         strips = hull.crossflow * np.abs(flow) * flow * hull.length_m / _STRIPS

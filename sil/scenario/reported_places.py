@@ -21,8 +21,8 @@ class Told:
     """The poses of A agents, each in its own unit's local frame, or as latitude and longitude.
 
     `origins` (A): latitude and longitude (degE7) and altitude (mm) of each unit's local frame.
-    `degE7` (A, 2): latitude and longitude of agents that send them; None if none does. They and
-    the heading keep their last values while the position is not finite or beyond the globe.
+    `degE7` (A, 2): latitude and longitude of agents that send them; None if none does. Positions
+    and heading keep their last values while the position is not finite or outside the globe.
     """
 
     def __init__(self, units: Sequence[Settings]) -> None:
@@ -50,7 +50,7 @@ class Told:
             self._eta[agent] = _WORLD.seen_from(frame, *eta[agent].tolist())
         for agent in self._on_globe:
             pose = eta[agent].tolist()
-            # a diverging run must still be sailed to its end
+            # a diverging run must still reach its end
             if all(abs(number) < _FAR_M for number in pose):
                 self._last[agent] = _WORLD.geodetic(*pose)
             latitude, longitude, self._eta[agent, 2] = self._last[agent]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The reference along the leader's waypoints, made by the firmware's own planner alone.
+"""The reference along the leader's waypoints, computed by the firmware's planner alone.
 
-A virtual leader has limits that any boat can follow; a boat that leads has those of its firmware's
-parameters, `firmware/app/convert/law.cpp`.
+A virtual leader has limits that any boat can follow. A boat that leads has the limits that follow
+from its firmware's parameters (`firmware/app/convert/law.cpp`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,18 +13,18 @@ import numpy as np
 from sil.plant.hull import Array
 from sil.scenario.sections import Boat, Leader
 
-# Limits of a reference along waypoints, which small boats and those of two metres can follow.
+# Limits of a reference along waypoints: boats from the smallest to two metres can follow it.
 ACCELERATION_MPS2 = 0.1
 YAW_RATE_RADPS = 0.35
 YAW_ACCELERATION_RADPS2 = 0.15
-# Radius of a corner of which nothing is said: the slot on the inside keeps steerage way, and those
-# ahead and astern do not have to be much faster than the leader.
+# Default radius of a corner: the slot on the inside keeps steerage way, and the slots ahead and
+# astern need not be much faster than the leader.
 _SMALLEST_M, _WIDE, _LONG = 2.0, 2.5, 1.25
 _ANY_DISTANCE_M = 1e6
 _UNDER_WAY_MPS = 0.01
-#: How far a corner of a plan may pass from its waypoint, where its radius is what counts.
+#: Greatest distance of a plan's corner from its waypoint if `corner_radius_m` is set.
 PLANS_LARGEST_M = 100.0
-# Of a boat's WP_WIDTH: the radius of its corners.
+# Radius of a boat's corners, as a multiple of its WP_WIDTH.
 _PLANS_RADIUS = 1.25
 
 
@@ -37,7 +37,7 @@ def route(
 ) -> Array:
     """Motion (ticks + 1, 10) of a leader along waypoints, as `flotilla.sail_route` returns it.
 
-    `parameters`: of the firmware of a boat that leads; those that are missing have their defaults.
+    `parameters`: firmware parameters of a boat that leads; missing ones have their defaults.
     """
     if leader.boat is not None:
         return _plan(leader, parameters or {}, step_s, ticks)
@@ -55,7 +55,7 @@ def route(
 
 
 def _plan(leader: Leader, parameters: Mapping[str, float], step_s: float, ticks: int) -> Array:
-    """As `route`, of a boat's plan."""
+    """The same as `route`, for a boat's plan."""
     own = flotilla.derived(parameters)
     points = np.zeros((len(leader.waypoints), 5))
     points[:, :2] = leader.waypoints
@@ -77,7 +77,7 @@ def _plan(leader: Leader, parameters: Mapping[str, float], step_s: float, ticks:
 
 
 def plans_width_m(leader: Leader, boats: Sequence[Boat]) -> float:
-    """WP_WIDTH of a boat that leads: for its outermost slot, and for `corner_radius_m`."""
+    """WP_WIDTH of a boat that leads: for its outermost slot and for `corner_radius_m`."""
     return max(half_width_m(boats), (leader.corner_radius_m or 0.0) / _PLANS_RADIUS)
 
 
@@ -102,7 +102,7 @@ def turning(boats: Sequence[Boat]) -> dict[int, tuple[float, float]]:
 
 
 def fastest(motion: Array, place: tuple[float, float]) -> tuple[float, int]:
-    """Greatest speed of a place that turns with a route's motion, and the waypoint, from 1."""
+    """Greatest speed, m/s, of a place that turns with a route's motion; its waypoint, from 1."""
     ahead, starboard = place
     u, v, r = motion[:, 3], motion[:, 4], motion[:, 5]
     speed = np.hypot(u - r * starboard, v + r * ahead)
@@ -111,7 +111,7 @@ def fastest(motion: Array, place: tuple[float, float]) -> tuple[float, int]:
 
 
 def sharpest(motion: Array) -> tuple[float, int]:
-    """Greatest curvature of a route's motion, 1/m, and the waypoint where that is, from 1."""
+    """Greatest curvature of a route's motion, 1/m, and its waypoint, from 1."""
     under_way = motion[motion[:, 3] > _UNDER_WAY_MPS]
     curvature = np.abs(under_way[:, 5]) / under_way[:, 3]
     if curvature.size == 0 or curvature.max() == 0.0:

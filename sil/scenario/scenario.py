@@ -53,7 +53,7 @@ from sil.wire.navigation_unit import Settings
 __all__ = ["Boat", "Leader", "Propellers", "Scenario", "ScenarioError", "Vessel", "load"]
 
 _SHORTEST_LEG_M = 0.1
-_INNERMOST = 0.8  # of a corner's radius: the farthest that a slot may be abeam of the leader
+_INNERMOST = 0.8  # greatest distance of a slot abeam of the leader, as a share of a corner's radius
 
 FOLDER = ROOT / "sil" / "scenarios"
 
@@ -61,9 +61,9 @@ FOLDER = ROOT / "sil" / "scenarios"
 class Scenario(Section):
     """A whole scenario. Agent 0 is the virtual leader, agent i is `boat[i - 1]`.
 
-    `name` is by default the file's. `hull`, a name in `sil/hulls`: that hull's `vessel`,
-    `propellers` and `parameters`, with the file's keys over them. A campaign draws no start at
-    which two boats are closer than `start_apart_m`.
+    `name` is the file's name by default. `hull`, a name in `sil/hulls`, selects that hull's
+    `vessel`, `propellers` and `parameters`; the file's keys override them. A campaign draws no
+    start at which two boats are closer than `start_apart_m`.
     """
 
     name: str
@@ -93,12 +93,12 @@ class Scenario(Section):
 
     @property
     def step_s(self) -> float:
-        """Period of the control ticks, which the plant is carried by."""
+        """Period of the control ticks and of the plant's steps, s."""
         return 1e-6 * round(1e6 / self.rate_hz)
 
     @property
     def ticks(self) -> int:
-        """Ticks from the release to the end, both counted."""
+        """Number of ticks from the release to the end, both included."""
         return round(self.duration_s / self.step_s) + 1
 
     def vessels(self) -> list[Vessel]:
@@ -138,15 +138,15 @@ class Scenario(Section):
         return pairs
 
     def heard_by(self, agent: int) -> int:
-        """The agent that a boat hears as its leader: the one that it follows, or sails the plan.
+        """The agent that a boat hears as its leader: the one it follows, or the boat with the plan.
 
-        A boat that leads hears nobody; it is its own.
+        A boat that leads hears no other: the result is the boat itself.
         """
         follows = self.boat[agent - 1].follows
         return follows or self.leader.boat or 0
 
     def firmware_parameters(self, boat: Boat) -> dict[str, float]:
-        """Firmware parameters of `boat` from the file: the law's, those for all, its own."""
+        """Firmware parameters of `boat` from the file: the law's, then all boats', then its own."""
         own = {**law.parameters(self.law), **self.parameters, **boat.parameters}
         if self.leader.boat is not None and boat is self.boat[self.leader.boat - 1]:
             own.setdefault("WP_WIDTH", plans_width_m(self.leader, self.boat))
@@ -155,7 +155,7 @@ class Scenario(Section):
     def route(self, parameters: Mapping[str, float] | None = None) -> Array:
         """The leader's motion (ticks + 1, 10) along its waypoints, as `sil.scenario.route.route`.
 
-        `parameters`: of a boat that leads; by default the file's.
+        `parameters`: firmware parameters of a boat that leads; by default the file's.
         """
         if parameters is None and self.leader.boat is not None:
             parameters = self.firmware_parameters(self.boat[self.leader.boat - 1])
@@ -183,7 +183,7 @@ def read(
     path = path_of(name_or_path)
     source = _read(path)
     source.document.setdefault("name", path.stem)
-    # The route and the shape first: they make the boats, which other overrides may change.
+    # The route and the shape come first: they make the boats, which other overrides may change.
     makers = [text for text in overrides if text.lstrip().startswith(("leader.", "formation."))]
     for override in makers:
         source.override(override)
@@ -227,7 +227,7 @@ def _read(path: Path) -> toml_errors.Source:
 
 
 def about(path: Path) -> str:
-    """The first sentence of a scenario's file, which its comment begins with."""
+    """The first sentence of the comment at the top of a scenario's file."""
     lines = path.read_text(encoding="utf-8").splitlines()
     comment = takewhile(lambda line: line.startswith("#"), lines)
     words = " ".join(line.lstrip("# ") for line in comment if "SPDX" not in line)
@@ -235,7 +235,7 @@ def about(path: Path) -> str:
 
 
 def path_of(name_or_path: str | Path) -> Path:
-    """The file of a scenario, by its name or path; ScenarioError for a name that none has."""
+    """The file of a scenario, by its name or path; ScenarioError if there is no such name."""
     path = Path(name_or_path)
     if path.suffix == ".toml":
         return path
@@ -293,7 +293,7 @@ def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             near = f"waypoint {number} is less than {_SHORTEST_LEG_M} m from the one before"
             yield ("leader", "waypoints"), f'"leader.waypoints": {near}'
             return
-    # Nearer to the middle of the turn than this a slot would nearly stand still, or go astern.
+    # Nearer to the centre of the turn, a slot would nearly stand still, or go astern.
     width_m = half_width_m(scenario.boat)
     motion = scenario.route()
     curvature, number = sharpest(motion)
@@ -311,7 +311,7 @@ def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
 
 
 def _swung_out(scenario: Scenario, motion: Array) -> Iterator[tuple[KeyPath, str]]:
-    """Slots that turn with the leader and are too fast in a corner."""
+    """Report slots that turn with the leader and are too fast in a corner."""
     for agent, place in turning(scenario.boat).items():
         if agent == 0:
             continue
@@ -330,14 +330,14 @@ def _swung_out(scenario: Scenario, motion: Array) -> Iterator[tuple[KeyPath, str
 
 
 def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
-    """Of a leader that is a boat."""
+    """Report contradictions of a scenario in which a boat leads."""
     key: KeyPath
     leader = scenario.leader
     if leader.voyage_room_m is not None:
         if leader.boat is None:
             yield (
                 ("leader", "voyage_room_m"),
-                '"leader.voyage_room_m": needs "leader.boat", who sails it',
+                '"leader.voyage_room_m": needs "leader.boat", which sails it',
             )
         if len(scenario.boat) > 1:
             yield (

@@ -32,7 +32,7 @@ class Section(BaseModel):
 
 
 class Vessel(Section):
-    """A hull; the default is the paper's, which has only the first six parameters.
+    """A hull; the default is the paper's hull, which has only the first six parameters.
 
     Inertia with added mass (kg, kg, kg m²) and linear drag (N s/m, N s/m, N m s); then the terms
     that the law does not model, see `sil.plant.hull.HullParameters`, and the surfaces exposed to
@@ -107,7 +107,7 @@ class WhiteNoise(Section):
 
 
 class Mismatch(Section):
-    """Greatest relative deviation of a boat's six hull parameters from the firmware's."""
+    """Greatest relative deviation of each of a boat's six hull parameters from the firmware's."""
 
     share: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
 
@@ -115,8 +115,8 @@ class Mismatch(Section):
 class Propellers(Section):
     """The two propellers of a boat, see `sil.plant.propeller`.
 
-    The defaults match the firmware's defaults of THR_*; `port_gain` and `stbd_gain` are the share
-    of that thrust that each propeller gives.
+    The defaults match the firmware's defaults of THR_*. `port_gain` and `stbd_gain` are the shares
+    of that thrust that the two propellers give.
     """
 
     arm_m: Positive = 0.25
@@ -145,7 +145,8 @@ class Unit(Section):
 class Navigation(Unit):
     """The boats' navigation units: messages, and standard deviations of their noise.
 
-    `position_drift_m`: of a slow position error with time constant `position_drift_s`.
+    `position_drift_m`: standard deviation of a slow position error with time constant
+    `position_drift_s`.
     """
 
     position_noise_m: NotNegative = 0.0
@@ -187,7 +188,7 @@ class Link(Section):
 
 
 class Clocks(Section):
-    """Largest offset and drift of each vessel's own clock, drawn by the seed."""
+    """Largest offset and drift of each vessel's own clock; the seed determines the values."""
 
     offset_s: NotNegative = 0.0
     drift_ppm: NotNegative = 0.0
@@ -206,16 +207,17 @@ class Input(Section):
 class Leader(Section):
     """The virtual leader, agent 0: pose (m, m, rad), velocity (m/s, m/s, rad/s), input.
 
-    Or `waypoints`, places north and east (m): it begins at the first one with its bow to the
-    second one, sails straight legs at `speed_mps` and rounds the corners, on arcs of at least
-    `corner_radius_m` where the legs have room for that, and rests at the last one. It is then a
-    reference, no hull: the current does not set it. Its unit says what it says itself, at the
-    boats' rate unless it has its own.
+    Alternatively `waypoints`, places north and east (m). The leader begins at the first one with
+    its bow to the second one, sails straight legs at `speed_mps`, and stops at the last one. It
+    rounds the corners on arcs of at least `corner_radius_m` if the legs are long enough. It is then
+    a reference without a hull: the current does not carry it. Its navigation unit sends the
+    reference's state, at the boats' rate unless it has its own rate.
 
-    With `boat = 1` nobody simulates it: boat 1 gets the waypoints as its plan, by MAVLink, sails it
-    in AUTO and tells the others. Agent 0 is then the plan itself, which the boats that follow 0
-    hear from boat 1. With `voyage_room_m` (0: the firmware's default), boat 1 measures its hull
-    around the last waypoint, alone, with at most `voyage_share` of its thrust (0: the firmware's).
+    With `boat = 1` there is no virtual leader: boat 1 gets the waypoints as its plan by MAVLink,
+    sails it in AUTO and sends the reference to the others. Agent 0 is then the plan itself; boats
+    that follow agent 0 receive it from boat 1. With `voyage_room_m` (0: the firmware's default),
+    boat 1 measures its hull around the last waypoint, alone, with at most `voyage_share` of its
+    thrust (0: the firmware's).
     """
 
     eta: Triple = (0.0, 0.0, 0.0)
@@ -231,7 +233,7 @@ class Leader(Section):
 
     @property
     def name(self) -> str:
-        """Agent 0 in pictures and tables."""
+        """Name of agent 0 in pictures and tables."""
         return "virtual leader" if self.boat is None else f"plan of boat {self.boat}"
 
     def tau(self, t_s: Array) -> Array:
@@ -246,7 +248,10 @@ class Leader(Section):
 
 
 class Boat(Section):
-    """A boat: the agent it follows, its slot north and east of it, start; own deviations."""
+    """A boat: the agent that it follows, its slot north and east of that agent, its start.
+
+    It may deviate from the scenario's vessel, propellers and other settings.
+    """
 
     follows: Annotated[int, Field(ge=0)]
     offset_m: Pair
@@ -268,8 +273,8 @@ else:
 class Fault(Section):
     """A fault of an agent from `at_s` after the release on, for `for_s` or to the end.
 
-    sil/docs/FAULTS.md explains the kinds and gives the unit of `value` for each. `esc`: which ESC,
-    for a fault of ESCs.
+    sil/docs/FAULTS.md explains the kinds and gives the unit of `value` for each. `esc`: the ESC
+    that fails, for a fault of ESCs.
     """
 
     kind: FaultKind
@@ -280,7 +285,7 @@ class Fault(Section):
     esc: Literal["port", "stbd", "both"] = "both"
 
     def sentence(self, leader: str) -> str:
-        """What fails whom and when, in one line; `leader` is the name of agent 0."""
+        """Describe the fault, its agent and its time in one line; `leader`: the name of agent 0."""
         value = f" {self.value:g}" if self.value else ""
         whom = f"boat {self.agent}" if self.agent else leader
         ends = "to the end" if self.for_s is None else f"for {self.for_s:g} s"
@@ -291,9 +296,10 @@ class Vary(Section):
     """A key of the scenario that a campaign draws anew for each run; a single run ignores it.
 
     `key`: dotted; `*` instead of a boat's number means every boat, each with its own draw; array
-    elements count from 1 (`boat.*.eta.3`), a whole array is drawn element by element. Drawn from
-    exactly one of `normal` [mean, standard deviation], `uniform` [low, high], `choice` [values …].
-    `combine`: whether the draw replaces the file's number, is added to it, or scales it.
+    elements count from 1 (`boat.*.eta.3`), a whole array is drawn element by element. Exactly one
+    of `normal` [mean, standard deviation], `uniform` [low, high] and `choice` [values …] gives the
+    distribution. `combine`: whether the draw replaces the file's number, is added to it, or scales
+    it.
     """
 
     key: Annotated[str, StringConstraints(pattern=r"^[^.\s]+(\.[^.\s]+)*$")]

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Agent 0 where a boat leads: its plan, sailed by the planner alone, at the time the boat tells.
+"""Agent 0 if a boat leads: the plan, sailed by the planner alone, at the boat's plan time.
 
-The planner says where agent 0 goes; the boat's FORMATION_REFERENCE says only how far it is, as it
-turns to the first leg before it begins and waits where it falls behind. Both are compared in place
-and surge; agent 0 follows smoothly, and waits while nothing is told.
+The planner determines the path of agent 0. The boat's FORMATION_REFERENCE determines its progress
+along that path: the boat first turns to the first leg, and the plan waits if the boat falls behind.
+Progress is found by comparing place and surge of both. Agent 0 moves smoothly, and waits while no
+reference arrives.
 """
 
 import numpy as np
@@ -19,16 +20,16 @@ from sil.wire.plan_upload import PlanItem, speed_item, voyage_item, waypoint_ite
 _HEIGHT_M = 0.001 * ORIGIN[2]
 _WORLD = LocalFrame(*ORIGIN[:2], _HEIGHT_M)
 _SILENT_US = 1_000_000
-_AROUND_S = 5.0  # how far from where it should be agent 0 is looked for
+_AROUND_S = 5.0  # search window for the plan time, to either side of agent 0
 _GAIN = 5.0  # 1/s
-_FASTEST = 3.0  # times the planned speed, while it catches up
-_ALIKE_S = 1.0  # weighs surge, m/s, against place, m
+_FASTEST = 3.0  # multiple of the planned speed while agent 0 catches up
+_ALIKE_S = 1.0  # weight of surge, m/s, against place, m
 
 
 def items_of(leader: Leader) -> list[PlanItem]:
-    """The plan that a boat gets: its speed, and all waypoints but the one where it starts.
+    """The plan for a boat: its speed, and all waypoints except the one where it starts.
 
-    A voyage that measures the hull takes the last one's place.
+    A voyage that measures the hull replaces the last waypoint.
     """
     radius_m = 0.0 if leader.corner_radius_m is None else PLANS_LARGEST_M
     places = [_WORLD.geodetic(north, east, 0.0) for north, east in leader.waypoints[1:]]
@@ -40,7 +41,7 @@ def items_of(leader: Leader) -> list[PlanItem]:
 
 
 class ToldPlan:
-    """The plan's vessel. `motion` (T, 10): as `flotilla.sail_route` returns it, every `h_s`."""
+    """Agent 0 on its plan. `motion` (T, 10): as `flotilla.sail_route` returns it, every `h_s`."""
 
     def __init__(self, motion: Array, h_s: float, system: int) -> None:
         self._motion, self._h_s = motion, h_s
@@ -51,7 +52,7 @@ class ToldPlan:
         self._rests = True
 
     def hear(self, data: bytes, t_us: int) -> None:
-        """Whole frames that the boat sends at `t_us`."""
+        """Process whole frames that the boat sends at `t_us`."""
         for told in self._ear.hear(data):
             self._heard_us = t_us
             self._rests = told.u_mps == 0.0

@@ -21,13 +21,13 @@ _KEY = re.compile(r"\s*([\w.\s\"'-]+?)\s*=")
 _WORD = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
 _POSITION = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
-# replacements for messages of pydantic that a writer of TOML would not understand
+# replacements for messages of pydantic that an author of TOML would not understand
 _WORDS = {
     "model_type": "must be a table",
     "dict_type": "must be a table",
     "tuple_type": "must be an array",
 }
-# of the radio, which all boats share: keys that a writer looks for in a boat's own table
+# keys of the radio, which all boats share, but which authors look for in a boat's own table
 _OF_THE_RADIO = {"link", "radio", "loss", "delay_s"}
 _ONE_RADIO = 'of one boat: a [[fault]] of kind "radio_loss" or "radio_late"'
 
@@ -40,8 +40,8 @@ class ScenarioError(ValueError):
 class Source:
     """A parsed document, the line of each key, and the overrides applied to it.
 
-    Keys from the file's `base` have their place there; keys that a campaign draws have the place of
-    their `[[vary]]`, the path in `drawn`.
+    Keys from the file's `base` are located in the base; keys that a campaign draws are located at
+    their `[[vary]]`, whose path is in `drawn`.
     """
 
     file: str
@@ -156,7 +156,7 @@ def _names(dotted: str) -> KeyPath:
 
 
 def leaves(table: dict[str, Any], at: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
-    """Paths and values of what is no table in `table`."""
+    """Paths and values of all keys of `table`, nested ones too, whose value is not a table."""
     for key, value in table.items():
         if isinstance(value, dict) and value:
             yield from leaves(value, (*at, key))

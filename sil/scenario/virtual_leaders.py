@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How agent 0 of runs moves: a hull under its inputs, a reference along waypoints, or a plan."""
+"""Moves agent 0 of each run: a hull under its inputs, a reference along waypoints, or a plan."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,9 +12,9 @@ from sil.scenario.told_plan import ToldPlan
 
 
 class VirtualLeaders:
-    """Moves the bodies of R runs from tick to tick, agent 0 of each as its scenario has it.
+    """Moves the bodies of R runs from tick to tick, each agent 0 as its scenario specifies.
 
-    `leading`: by run, the firmware parameters of the boats that lead; by default the file's.
+    `leading`: for each run, the firmware parameters of the boat that leads; by default the file's.
     """
 
     def __init__(
@@ -40,13 +40,13 @@ class VirtualLeaders:
                 self._routes[run] = one.route()[:, :6]
 
     def hear(self, run: int, data: bytes, t_us: int) -> None:
-        """Whole frames that the boat that leads a run sends at `t_us`."""
+        """Process whole frames that the leading boat of a run sends at `t_us`."""
         self._plans[run].hear(data, t_us)
 
     def advance(self, k: int, bodies: Bodies, command: Array, t_us: int | None = None) -> None:
         """Carry the bodies from tick `k` to the next one under `command` (R N, 2).
 
-        `t_us`: the time of the tick, where boats lead.
+        `t_us`: the time of the tick; needed if boats lead.
         """
         bodies.advance(command, self._input[k], self._h_s)
         for run, motion in self._routes.items():

@@ -6,7 +6,7 @@ Quantities that change are columns of the same length as `t_s`: base64 of little
 if unknown; a column without any known value is absent. `states`, `held`, `texts`, `plans` (see
 `sil.view.seen_plan.drawn`) and `items` (the one ahead) are lists of [t_s, value], each value valid
 from its time on. `origin_deg`, if known: latitude and longitude of the origin of all positions.
-`plan_of`: of a first vessel that is the plan which a boat leads by, that boat's id.
+`plan_of`: if the first vessel is the plan of a boat that leads, that boat's id.
 """
 
 import base64
@@ -25,7 +25,7 @@ from sil.view.aboard import ESC_NUMBERS
 
 MOST_SAMPLES = 1200
 _MOST_NUMBERS, _LEAST_SAMPLES = 500_000, 60
-LENGTH_M = 1.0  # of a hull of unknown length, as in `sil.report.plots`
+LENGTH_M = 1.0  # for hulls of unknown length, as in `sil.report.plots`
 SIDES = ("port", "stbd")  # of the ESCs
 COLUMNS = (
     "x_m",
@@ -95,7 +95,7 @@ def boats_of(scenario: Scenario) -> list[Boat]:
 
 
 def most_samples(vessels: int) -> int:
-    """How many samples a history of that many vessels keeps; this bounds the page's size."""
+    """Number of samples in a history of that many vessels; this bounds the page's size."""
     return max(_LEAST_SAMPLES, min(MOST_SAMPLES, _MOST_NUMBERS // (len(COLUMNS) * vessels)))
 
 

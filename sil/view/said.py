@@ -22,7 +22,7 @@ from sil.wire.mavlink_ear import Ear
 from sil.wire.tlog import of_links
 
 _RADIO = MAVLINK_OUT + 1
-# Of the boat and of whom it hears: plans go both ways.
+# Messages of the boat and of its partners: plans go both ways.
 _PLANS = (
     messages.MISSION_CURRENT,
     messages.MISSION_COUNT,
@@ -42,17 +42,17 @@ _SHOWN = (
     *_PLANS,
 )
 
-# States in which a boat is out of formation, and how long before it says why, s.
+# States in which a boat is out of formation; greatest time by which the reason precedes them, s.
 _LOST, _BEFORE_S = ("COAST", "HOLD", "FAULT"), 6.0
 
-# Of the NAMED_VALUE_FLOATs, which are nine tenths of the messages, a history needs these.
+# The NAMED_VALUE_FLOATs that a history needs; nine tenths of all messages are NAMED_VALUE_FLOATs.
 _NAMES = {b"COND", b"COND2", b"IN_SLOT", b"LEAD_AGE"}
 _ID, _NAME = slice(7, 10), slice(18, 28)
 _NAMED_VALUE = messages.NAMED_VALUE_FLOAT.to_bytes(3, "little")
 
 
 class SaidByBoat:
-    """One boat's messages over time; those from before the release count as of t_s = 0."""
+    """One boat's messages over time; those before the release count as of t_s = 0."""
 
     def __init__(self, system: int) -> None:
         self.system = system
@@ -96,7 +96,7 @@ class SaidByBoat:
         return self._vessel.state == "FORMATION" and self._vessel.value("IN_SLOT") == 0.0
 
     def reasons(self) -> list[str]:
-        """Its texts around the moment when it first lost FORMATION; empty where it never did."""
+        """Its texts around the time when it first lost FORMATION; empty if it never did."""
         lost = [at_s for at_s, state in self.states.list if at_s > 0.0 and state in _LOST]
         near = (
             text for at_s, text in self.texts.list if lost and -_BEFORE_S < at_s - lost[0] < 1.0

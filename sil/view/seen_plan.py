@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Plans, fences and rally points of vessels, from the mission protocol's traffic that passes by.
+"""Plans, fences and rally points of vessels, overheard from the mission protocol's traffic.
 
-A plan that a ground station sends counts once the vessel has accepted it, one that the vessel
-tells once its last item has passed. Source: mavlink.io, mission protocol, plan file commands.
+A plan from a ground station counts once the vessel has accepted it. A plan that a vessel sends to a
+station counts once its last item has passed. Source: mavlink.io, mission protocol, plan file
+commands.
 """
 
 from collections.abc import Callable
@@ -52,7 +53,7 @@ Items = tuple[Item, ...]
 
 @dataclass
 class _Draft:
-    """A transfer under way; `count` is None where nobody heard how many there are."""
+    """A transfer under way; `count` is None if the number of items was not heard."""
 
     count: int | None
     items: dict[int, Item] = field(default_factory=dict)
@@ -64,9 +65,9 @@ class _Draft:
 
 
 class Plans:
-    """Of all vessels. `is_vessel`: whether a system is one; a ground station is none.
+    """The plans of all vessels. `is_vessel`: whether a system is a vessel, not a ground station.
 
-    `version` changes with any of them. `item`: by system id, the item that MISSION_CURRENT tells.
+    `version` changes with any plan. `item`: by system id, the current item of MISSION_CURRENT.
     """
 
     def __init__(self, is_vessel: Callable[[int], bool]) -> None:
@@ -78,11 +79,11 @@ class Plans:
         self._plans: dict[int, dict[int, Items]] = {}
 
     def of(self, system: int) -> dict[int, Items]:
-        """The plan (MISSION), fence and rally points of a vessel, those that are known."""
+        """The plan (MISSION), fence and rally points of a vessel, as far as known."""
         return self._plans.get(system, {})
 
     def systems(self) -> list[int]:
-        """Vessels of which something is known."""
+        """Vessels of which a plan, fence or rally point is known."""
         return sorted(self._plans)
 
     def forget(self, system: int) -> None:
@@ -127,7 +128,7 @@ class Plans:
                 self._set(sender, kind, whole)
 
     def _accept(self, station: int, vessel: int, kind: int, result: int) -> None:
-        """A vessel answers a station."""
+        """Process a vessel's answer to a station."""
         draft = self._drafts.pop((station, vessel, kind), None)
         cleared = [key for key in self._clearing if key[:2] == (station, vessel)]
         self._clearing.difference_update(cleared)
@@ -141,7 +142,7 @@ class Plans:
                 self._set(vessel, one, ())
 
     def _is_told(self, sender: int, receiver: int) -> bool:
-        """Whether a vessel tells a station, rather than the other way round."""
+        """Whether a vessel sends to a station, rather than the other way round."""
         return self._is_vessel(sender) and not self._is_vessel(receiver)
 
     def _set(self, system: int, kind: int, items: Items) -> None:
@@ -154,8 +155,8 @@ def drawn(plan: dict[int, Items], convert: Convert) -> dict[str, Any]:
     """A vessel's plan for the page.
 
     `way`: [north, east, item] of each place; `fence`: {"inside", "points"} or {"inside", "centre",
-    "radius_m"}; `rally`: [north, east]. Lengths in m, in the frame of `convert`; what cannot be
-    converted is left out.
+    "radius_m"}; `rally`: [north, east]. Lengths in m, in the frame of `convert`; places that cannot
+    be converted are left out.
     """
 
     def at(item: Item) -> list[float] | None:
@@ -176,7 +177,7 @@ def drawn(plan: dict[int, Items], convert: Convert) -> dict[str, Any]:
 
 
 def _fence(items: Items, at: Callable[[Item], list[float] | None]) -> list[dict[str, Any]]:
-    """Circles, and polygons: each of their corners tells how many there are."""
+    """Circles and polygons; each corner of a polygon contains the number of corners."""
     shapes: list[dict[str, Any]] = []
     corners: list[list[float]] = []
     for item in items:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The history of a tlog: what a live view would have shown while it was written."""
+"""The history of a tlog: the view that a live page would have shown."""
 
 from collections.abc import Callable, Iterable, Iterator
 from math import nan
@@ -37,8 +37,7 @@ def history_of_tlog(path: Path, length_m: float = LENGTH_M) -> dict[str, Any]:
 
     `length_m`: of its boats. ValueError if there is no message.
 
-    Time stamps that step back, or ahead by more than an hour, count as a clock that was set: no
-    time passes.
+    If time stamps step back, or ahead by more than an hour, the clock was set: no time passes.
     """
     watch = Watch(Fleet(length_m))
     tlogs = sorted(path.glob("*.tlog")) if path.is_dir() else [path]

@@ -22,7 +22,7 @@ HEALTH_OK = 0
 MODE_OPERATIONAL = 0
 
 _F16_MAX = 65504.0
-# Signed value of each 14-bit field as encoded in the stream (low byte, then the 6 upper bits).
+# Signed value of each 14-bit field, as encoded in the stream (low byte, then the 6 upper bits).
 _INT14 = [((w & 0x3F) << 8 | w >> 6) - ((w & 0x20) << 9) for w in range(1 << 14)]
 _SHIFTS = [range(8 * n - 14, -1, -14) for n in range(36)]
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A fleet's table as a ground station sends it, and the beacons of its members.
+"""A fleet's table from a ground station, and the beacons of its members.
 
-Source: firmware/link/mavlink/flotilla.xml; fields on the wire by size, the widest first.
+Source: firmware/link/mavlink/flotilla.xml; on the wire, fields are sorted by size, the widest
+first.
 """
 
 import struct
@@ -22,9 +23,9 @@ _TABLE_BYTES = _TABLE.size + _MEMBER.size * MOST_MEMBERS
 
 
 class Member(NamedTuple):
-    """System ids of a member and of the one it follows (0: it leads), its place in the shape (m).
+    """A member: its system id and its leader's (0: it leads), and its place in the shape (m).
 
-    The place is north and east, or ahead and to starboard where the shape turns.
+    The place is north and east, or ahead and to starboard if the shape turns.
     """
 
     system: int
@@ -36,7 +37,7 @@ class Member(NamedTuple):
 
 
 class Beacon(NamedTuple):
-    """What a member says of itself: newest table, fit to follow or to take over, leads."""
+    """A member's report: newest table, fit to follow or to take over, leads."""
 
     epoch: int
     fit: bool
@@ -59,8 +60,8 @@ def table_message(
 ) -> bytes:
     """A FLEET_TABLE frame: the members by rank, in force after `in_s`. ValueError beyond 24.
 
-    `move_s`: how long the boats take from then on to their new places. `assign`: a boat that hears
-    it gives the places to the members and chooses `move_s`.
+    `move_s`: the time that the boats take from then on to their new places. `assign`: a boat that
+    receives the table assigns the places to the members and chooses `move_s`.
     """
     if len(members) > MOST_MEMBERS:
         raise ValueError(f"{len(members)} members: a table has at most {MOST_MEMBERS}")
@@ -82,13 +83,13 @@ def beacons(data: bytes) -> Iterator[tuple[int, Beacon]]:
 
 
 def beacon_of(fields: tuple[int, ...]) -> Beacon:
-    """A beacon of its fields, in the order of the wire."""
+    """A beacon from its fields, in the order of the wire."""
     _, epoch, digest, item, flags, follows = fields
     return Beacon(epoch, bool(flags & 1), bool(flags & 2), follows, item, digest)
 
 
 def digest_of(message: bytes) -> int:
-    """The digest that beacons tell, of a FLEET_TABLE frame.
+    """The digest of a FLEET_TABLE frame, as beacons report it.
 
     FNV-1a, folded to 15 bits; the highest bit is set for a table that stops the boats.
     """

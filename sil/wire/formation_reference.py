@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The motion of a formation's root, as a boat tells it: FORMATION_REFERENCE.
+"""The motion of a formation's root, as a boat sends it: FORMATION_REFERENCE.
 
-Source: firmware/link/mavlink/flotilla.xml; fields on the wire by size, the widest first.
+Source: firmware/link/mavlink/flotilla.xml; on the wire, fields are sorted by size, the widest
+first.
 """
 
 import struct
@@ -19,7 +20,7 @@ _STEP = 1.0 / 1024.0
 
 
 class Told(NamedTuple):
-    """Place in the receiver's frame (m), surge (m/s), and how old both are."""
+    """Place in the receiver's frame (m), surge (m/s), and the age of both (us)."""
 
     north_m: float
     east_m: float
@@ -28,9 +29,9 @@ class Told(NamedTuple):
 
 
 class Ear:
-    """Hears from its own words where the vessel is that a boat with system id `system` sails after.
+    """Receives the motion of the root from the boat that makes it, with system id `system`.
 
-    References that it only hands on are ignored. `frame`: of the places returned.
+    References that the boat only passes on are ignored. `frame`: frame of the places returned.
     """
 
     def __init__(self, system: int, frame: LocalFrame, height_m: float) -> None:

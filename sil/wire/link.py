@@ -15,10 +15,10 @@ class Rng(Protocol):
 class Link:
     """Chunks arrive whole after serialisation, `delay_s` and a uniform jitter in [0, `jitter_s`).
 
-    Jitter may reorder. A chunk is lost with probability `loss`, and still takes its time on the
-    air. `rate_Bps` is bytes per second, 0 unlimited. These four may change while chunks are in
-    flight. `rng` is drawn from only where `loss` or `jitter_s` is not 0, a lost chunk draws no
-    jitter. All times are of one clock, us.
+    Jitter may change the order. A chunk is lost with probability `loss`, but still takes its time
+    on the air. `rate_Bps` is bytes per second, 0 unlimited. These four may change while chunks are
+    in flight. `rng` is used only if `loss` or `jitter_s` is not 0; a lost chunk draws no jitter.
+    All times are in us, from one clock.
     """
 
     def __init__(

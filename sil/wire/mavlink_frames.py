@@ -13,9 +13,9 @@ _SIGNED = 1
 
 
 def end_of(data: bytes, at: int) -> int:
-    """Index after the frame that may begin at `at`; 0: none begins there.
+    """Index after the frame that may begin at `at`; 0 if none begins there.
 
-    If its header is cut off, the least possible index.
+    If the frame's header is cut off, this is the least possible index.
     """
     header = HEADER.get(data[at])
     if header is None:

@@ -27,7 +27,7 @@ SEEDS: dict[int, int] = {
     FLEET_BEACON: 25,
     FLEET_TABLE: 24,
 }
-"""Checksum seed (CRC_EXTRA) of every message that is known, by its number."""
+"""Checksum seed (CRC_EXTRA) of every known message, by its number."""
 
 _READ = (
     HEARTBEAT,
@@ -56,4 +56,4 @@ LAYOUTS: dict[int, Struct] = {
     ESC_STATUS: Struct("<Q4i4f4fB"),
     FLEET_BEACON: Struct("<IHHHBB"),
 }
-"""Fields of those that are read, in the order of the wire: the widest first, extensions last."""
+"""Fields of messages that are read, in the order of the wire: the widest first, extensions last."""

@@ -31,17 +31,17 @@ def mode_request(mode: int) -> Request:
 
 
 def plan_upload(system: int, items: Sequence[PlanItem]) -> PlanUpload:
-    """The operator's dialogue in which a boat gets its plan."""
+    """The operator's side of the transfer of a plan to a boat."""
     return PlanUpload(system, items, SYSTEM, COMPONENT)
 
 
 def start_requests(
     slow_Hz: float, all_armed: bool, holds: bool, mode: int = FORMATION
 ) -> list[Request]:
-    """What an operator asks of a boat, again and again, until all boats are in their `mode`.
+    """Requests that an operator repeats to a boat until all boats are in their `mode`.
 
-    ESC_STATUS and ESC_INFO, which boats send on request only, at the rate of their SR_SLOW; to arm;
-    once all boats are armed, `mode`, through HOLD unless the boat `holds`.
+    They are: ESC_STATUS and ESC_INFO, which boats send only on request, at the rate of their
+    SR_SLOW; to arm; and once all boats are armed, `mode`, through HOLD unless the boat `holds`.
     """
     asked: list[Request] = []
     if slow_Hz > 0:
@@ -57,7 +57,7 @@ def start_requests(
 
 
 def next_request(state: str, mode: int = FORMATION) -> Request | None:
-    """What brings a boat in this state one step nearer to `mode`; None where it needs nothing."""
+    """The request that brings a boat one step from `state` to `mode`; None if none is needed."""
     return {"FAULT": DISARM, "DISARMED": ARM, "HOLD": mode_request(mode)}.get(state)
 
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """A ground station's half of the mission protocol: sends a boat its plan.
 
-Source: mavlink.io, mission protocol: MISSION_COUNT again every 1,500 ms until the boat asks, five
-times at the most; then an item for every MISSION_REQUEST_INT, until MISSION_ACK.
+Source: mavlink.io, mission protocol: MISSION_COUNT is repeated every 1,500 ms until the boat
+requests an item, at most five times; then each MISSION_REQUEST_INT is answered by an item, until
+MISSION_ACK.
 """
 
 import math
@@ -31,12 +32,12 @@ class PlanItem(NamedTuple):
 
 
 def speed_item(speed_mps: float) -> PlanItem:
-    """The speed from here on."""
+    """An item that sets the speed from here on."""
     return PlanItem(mavlink.MAV_CMD_DO_CHANGE_SPEED, (1.0, speed_mps, -1.0, 0.0))
 
 
 def waypoint_item(latitude: int, longitude: int, radius_m: float) -> PlanItem:
-    """A place (degE7) that the rounded corner may pass at `radius_m`; 0: the boat's WP_RADIUS."""
+    """A place (degE7) that the rounded corner may miss by `radius_m`; 0: the boat's WP_RADIUS."""
     params = (0.0, radius_m, 0.0, math.nan)
     return PlanItem(mavlink.MAV_CMD_NAV_WAYPOINT, params, latitude, longitude)
 
@@ -49,7 +50,8 @@ def voyage_item(latitude: int, longitude: int, share: float, room_m: float) -> P
 class PlanUpload:
     """One plan on its way to one boat.
 
-    `done`: the boat has accepted it. `fault`: why it never will, "" while it may.
+    `done`: the boat has accepted the plan. `fault`: the reason why it never will, "" while it still
+    may.
     """
 
     def __init__(self, system: int, items: Sequence[PlanItem], station: int, component: int):
@@ -63,7 +65,7 @@ class PlanUpload:
         self._tries = 0
 
     def say(self, t_us: int) -> bytes:
-        """Everything that is to be sent at `t_us`; call often."""
+        """All messages that are due at `t_us`; call often."""
         if self._again_us is None or t_us >= self._again_us:
             self._count(t_us)
         said, self._said = self._said, b""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A serial line, raw and without waiting: `/dev/…[:BAUD]`, 57,600 Bd where none is given."""
+"""A serial line, raw and non-blocking: `/dev/…[:BAUD]`, 57,600 Bd by default."""
 
 import os
 import termios
@@ -19,7 +19,7 @@ def line_of(address: str) -> tuple[Path, int]:
 
 
 def open_line(device: Path, speed: int, access: int = os.O_RDONLY) -> int:
-    """Open a serial line, for reading only unless `access` is O_RDWR; its descriptor."""
+    """Open a serial line, for reading only unless `access` is O_RDWR; return its descriptor."""
     line = os.open(device, access | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         tty.setraw(line)

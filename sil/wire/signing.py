@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Signatures of MAVLink 2 frames, made and checked.
+"""Makes and checks signatures of MAVLink 2 frames.
 
     signature = first 48 bits of SHA-256(key ‖ header ‖ payload ‖ checksum ‖ link ‖ time)
 
@@ -26,9 +26,9 @@ _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
 def read_key(path: Path) -> bytes:
-    """A key from its file, as flotillad reads it: 32 bytes or 64 hexadecimal digits.
+    """Read a key as flotillad does: 32 bytes or 64 hexadecimal digits.
 
-    OSError if it cannot be read; ValueError if it is none, or others may use it.
+    OSError if it cannot be read; ValueError if it is not a key, or if others may use it.
     """
     with path.open("rb") as file:
         mode = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
@@ -47,7 +47,7 @@ def read_key(path: Path) -> bytes:
 
 
 def is_signed(frame: bytes) -> bool:
-    """Whether a whole frame has a signature, good or bad."""
+    """Whether a whole frame has a signature, valid or not."""
     return frame[0] == MAGIC_2 and bool(frame[2] & _SIGNED)
 
 
@@ -57,12 +57,12 @@ def numbered(frame: bytes, sequence: int) -> bytes:
 
 
 class Signer:
-    """The holder of a key. `link`: tells this sender from others with its ids."""
+    """The holder of a key. `link`: distinguishes this sender from others with the same ids."""
 
     def __init__(self, key: bytes, link: int) -> None:
         self._key, self._link = key, link
         self._last = 0
-        self._heard: dict[bytes, int] = {}  # time of the last good frame, by ids and link
+        self._heard: dict[bytes, int] = {}  # time of the last valid frame, by ids and link
 
     def sign(self, frame: bytes) -> bytes:
         """An unsigned MAVLink 2 frame with its signature."""
@@ -73,7 +73,7 @@ class Signer:
         return whole + self._signature(whole)
 
     def verifies(self, frame: bytes) -> bool:
-        """Whether a whole frame is signed with the key, for the first time, and no minute old."""
+        """Whether a whole frame is signed with the key, is new, and is less than a minute old."""
         if not is_signed(frame):
             return False
         whole, signature = frame[:-_SIGNATURE], frame[-_SIGNATURE:]
@@ -91,7 +91,7 @@ class Signer:
 
 
 def _checked(body: bytes) -> bytes:
-    """A frame of its header behind the magic byte and its payload, with a checksum."""
+    """Make a frame from its header (without the magic byte) and its payload, with a checksum."""
     number = int.from_bytes(body[6 : HEADER[MAGIC_2] - 1], "little")
     checksum = crc16.mcrf4xx(body + bytes([SEEDS[number]]))
     return bytes([MAGIC_2]) + body + struct.pack("<H", checksum)

@@ -35,7 +35,7 @@ class Packet(NamedTuple):
 
 
 def of_links(tlogs: Iterable[Path]) -> Iterator[Packet]:
-    """The packets of a boat's tlogs, one for each link, in the order of time."""
+    """The packets of a boat's tlogs, one tlog for each link, in order of time."""
     return merge(*(packets(path.read_bytes(), []) for path in tlogs), key=attrgetter("t_us"))
 
 

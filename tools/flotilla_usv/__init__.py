@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Flotilla as a wheel installs it. Importing this makes the simulation importable, as `sil`.
+"""Flotilla in a wheel. Importing this package makes the simulation importable, as `sil`.
 
-`sil` is too general a name for site-packages: the wheel has it in `flotilla_usv/tree`. In a clone
-that folder does not exist, and `sil` is where it is.
+`sil` is too general a name for site-packages, so the wheel has it in `flotilla_usv/tree`. In a
+clone that folder does not exist, and `sil` is at its usual place.
 """
 
 import sys

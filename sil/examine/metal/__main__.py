@@ -47,13 +47,15 @@ def _columns(*heads: str) -> Table:
 
 
 def main(arguments: list[str]) -> int:
-    """Exit status: 0 if all three outputs are equal and the image fits, else 1."""
+    """Run the module's command line; exit status 0 if all outputs are equal and the image fits."""
     parser = argparse.ArgumentParser(prog="tools/metal", description=__doc__)
     parser.add_argument(
         "recording", type=Path, nargs="?", help="recording.bin of a q16 run (diamond's, sailed)"
     )
-    parser.add_argument("--boat", type=int, default=1, help="1, 2, …")
-    parser.add_argument("--seconds", type=float, default=20.0, help="of the recording")
+    parser.add_argument("--boat", type=int, default=1, help="number of the boat: 1, 2, …")
+    parser.add_argument(
+        "--seconds", type=float, default=20.0, help="seconds of the recording to play (20)"
+    )
     options = parser.parse_args(arguments)
     console = Console()
     stream, here = _stream(options.recording, options.boat, options.seconds)

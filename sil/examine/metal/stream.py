@@ -42,7 +42,7 @@ def _of_boat(recording: Recording, boat: int) -> Iterator[tuple[int, int, bytes]
 
 
 def stream_of(recording: Recording, boat: int, seconds: float) -> tuple[bytes, str]:
-    """Of the first `seconds`: the stream, and the SHA-256 (hexadecimal) of the boat's output.
+    """The stream of the first `seconds`, and the SHA-256 (hexadecimal) of the boat's output.
 
     ValueError if the player cannot play it.
     """

@@ -57,7 +57,7 @@ def test_suggested_gains_stand_beside_todays_and_what_they_cost(straight: Certif
 
 def test_what_the_linearised_loop_leaves_out_is_told(straight: Certificate) -> None:
     assert "THR_SLEW = 5, THR_DEAD = 0.01: not in the linearised loop" in told(straight)
-    assert "about small errors" in told(straight)
+    assert "concerns small errors" in told(straight)
 
 
 def test_slowest_components_are_named(straight: Certificate) -> None:
