@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course
+from tests.target.plans import at
 from tests.target.sea import Sea, acks
 from tests.target.stations import (
     BOAT,
@@ -122,3 +125,39 @@ def test_other_systems_than_vessels_are_no_obstacles(kind: int) -> None:
     sea.enter_formation()
     meet(sea, 1.0, 1.0, kind)
     assert sea.condition("clear") and sea.snapshot()["separation_m"] is None
+
+
+MOORED, UNKNOWN_STATUS = mavlink.AIS_NAV_STATUS_MOORED, 15
+
+
+def ship(north_m: float, heard_s_ago: int, speed_mps: float, status: int = UNKNOWN_STATUS) -> Any:
+    """AIS_VESSEL of a ship that goes north."""
+    place = at(north_m, 0.0)
+    flags = mavlink.AIS_FLAGS_VALID_COG | mavlink.AIS_FLAGS_VALID_VELOCITY
+    fields = (211000001, place.x, place.y, 0, 0, round(100 * speed_mps), 0, status, 37)
+    return mavlink.MAVLink_ais_vessel_message(*fields, 0, 0, 0, 0, b"", b"", heard_s_ago, flags)
+
+
+@pytest.mark.parametrize("speed_mps, status", [(1.0, MOORED), (0.2, UNKNOWN_STATUS)])
+def test_a_ship_at_rest_that_reports_every_three_minutes_is_not_forgotten_between(
+    speed_mps: float, status: int
+) -> None:
+    sea = boat()
+    sea.enter_formation()
+    sea.say(ship(30.0, 200, speed_mps, status))
+    sea.run(0.2)
+    near_m = sea.snapshot()["separation_m"]
+    assert near_m is not None and near_m > 5.0  # nor is its place uncertain
+    sea.say(ship(1.0, 0, 0.0, status))
+    sea.run(35.0)
+    assert not sea.condition("clear")
+
+
+def test_a_ship_under_way_is_forgotten_after_half_a_minute() -> None:
+    sea = boat()
+    sea.settle()
+    sea.say(ship(1.0, 0, 0.0, MOORED), ship(1.0, 0, 0.4))
+    sea.run(0.2)
+    assert not sea.condition("clear")
+    sea.run(30.0)
+    assert sea.condition("clear")

@@ -11,6 +11,8 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kForgotten_us = 3'000'000, kShipForgotten_us = 30'000'000;
+constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
+constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship's speed leads it no further
 constexpr std::uint32_t kLastSystem = 255;
 constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
 constexpr std::int64_t kDrift = 1'000;  // a share of time by which no two clocks drift apart
@@ -110,9 +112,11 @@ void Neighbours::take_ais(const link::AisVessel& message, const convert::Positio
                           std::int64_t now_us) {
   const auto report = convert::ais_report_of<S>(message);
   if (!watches() || !report || message.MMSI <= kLastSystem) return;
+  if (report->age_us > (report->rests ? kRestingForgotten_us : kShipForgotten_us)) return;
   convert::Sample<S> sample = report->sample;
   sample.stamp_us = now_us - report->age_us;
   if (Vessel* vessel = take_place(message.MMSI, sample, own, now_us)) {
+    vessel->rests = report->rests;
     vessel->reach_m = static_cast<float>(convert::number(report->reach_m));
   }
 }
@@ -153,7 +157,7 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
     if (vessel.dated && stamp_us < vessel.true_us) return false;
     vessel.dated = true;
     vessel.true_us = stamp_us;
-    return now_us - stamp_us <= kShipForgotten_us;
+    return true;
   }
   if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
   const std::int64_t since_us = stamp_us + vessel.ahead_us - vessel.true_us;
@@ -223,6 +227,7 @@ std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
 }
 
 std::int64_t Neighbours::patience_us(const Vessel& vessel) {
+  if (vessel.rests) return kRestingForgotten_us;
   return vessel.id > kLastSystem ? kShipForgotten_us : kForgotten_us;
 }
 
@@ -244,7 +249,9 @@ std::uint8_t Neighbours::depth() const {
 template <class S>
 core::OtherVessel<S> Neighbours::seen(const Vessel& v, const convert::Position& own,
                                       const core::Vec2<S>& moved_n, std::int64_t now_us) {
-  const S age = convert::seconds<S>(now_us - v.true_us) + convert::scalar<S>(kOnItsWay_s);
+  const std::int64_t told_us = now_us - v.true_us;
+  const S age = convert::seconds<S>(v.rests ? std::min(told_us, kSways_us) : told_us) +
+                convert::scalar<S>(kOnItsWay_s);
   const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
   return {{convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
            convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},

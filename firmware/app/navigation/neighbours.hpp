@@ -23,7 +23,7 @@ namespace flotilla::app {
 /// that all its messages share is not measured, but assumed to be 0.1 s.
 ///
 /// AIS_VESSEL counts from whichever component sends it, under the ship's MMSI, for 30 s: ships report
-/// every two to ten seconds. A vessel that sends no DEPTH is a stranger.
+/// every two to ten seconds; if it rests for 6.5 min, as it reports every three. A vessel that sends no DEPTH is a stranger.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
@@ -63,7 +63,8 @@ class Neighbours {
     bool located = false;
     bool dated = false;  ///< ahead_us is known
     bool has_origin = false;
-    bool steered = false;  ///< drives itself; only then can it yield
+    bool rests = false;    ///< a ship that stays where it is
+  bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
     float reach_m = 0;  ///< of the hull beyond the position

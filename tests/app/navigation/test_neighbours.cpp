@@ -312,6 +312,26 @@ TEST_CASE("a ship's report ages with the receiver's count, and is forgotten afte
   CHECK(w.look(91 * kSecond_us).count == 1);
 }
 
+TEST_CASE("a ship at rest stays where it is for 6.5 minutes after its report") {
+  for (int at_rest = 0; at_rest < 4; ++at_rest) {
+    link::AisVessel m = ship(40, 0);
+    m.velocity = 100;
+    if (at_rest == 0) m.navigational_status = link::mav::kAisAnchored;
+    if (at_rest == 1) m.navigational_status = link::mav::kAisMoored;
+    if (at_rest == 2) m.navigational_status = link::mav::kAisAground;
+    if (at_rest == 3) m.velocity = 29;
+    Watch w;
+    w.hear(255, m);
+    REQUIRE(w.look(389 * kSecond_us).count == 1);
+    CHECK(w.look(389 * kSecond_us).vessels[0].margin < 10.2);
+    CHECK(w.look(390 * kSecond_us).count == 0);
+    m.velocity = 155;  // it gets under way, whatever its status
+    w.hear(255, m, 20 * kSecond_us);
+    CHECK(w.look(49 * kSecond_us).count == 1);
+    CHECK(w.look(50 * kSecond_us).count == 0);
+  }
+}
+
 TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
   Watch w;
   link::AisVessel m = ship(40, 0);
