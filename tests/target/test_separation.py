@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.dialect import dialect
 from tests.target.course import Course
 from tests.target.plans import at
 from tests.target.sea import Sea, acks
@@ -15,6 +17,7 @@ from tests.target.stations import (
     BOAT,
     FORMATION,
     SET_MODE,
+    STRANGER,
     TEMPORARILY_REJECTED,
     Station,
     heartbeat,
@@ -43,6 +46,16 @@ def meet(
         sea.run(0.1)
 
 
+def depth(value: float) -> Any:
+    return mavlink.MAVLink_named_value_float_message(0, b"DEPTH", value)
+
+
+def beacon() -> Any:
+    """FLEET_BEACON of a boat without a table."""
+    kind = dialect().MAVLink_fleet_beacon_message
+    return kind(**dict.fromkeys(kind.fieldnames, 0))
+
+
 def told(sea: Sea, name: str, link: int = 0) -> list[float]:
     found = [m for tick in sea.ticks for m in tick.named("NAMED_VALUE_FLOAT", link)]
     return [m.value for m in found if m.name == name]
@@ -53,8 +66,14 @@ def test_how_deep_it_is_in_the_tree_is_told_once_a_second_on_every_link() -> Non
     sea.run(3.0)
     # The leader's own depth is not known: it is a virtual one.
     assert told(sea, "DEPTH", 0) == told(sea, "DEPTH", 1) == [1.0] * 3
-    depth = mavlink.MAVLink_named_value_float_message(0, b"DEPTH", 4.0)
-    sea.say(depth, sender=sea.leader.station)
+    sea.say(depth(4.0), sender=sea.leader.station)
+    sea.run(1.0)
+    assert told(sea, "DEPTH")[-1] == 1.0
+    sea.say(heartbeat(), beacon(), depth(4.0), sender=sea.leader.station)
+    sea.run(1.0)
+    assert told(sea, "DEPTH")[-1] == 5.0
+    sea.say(depth(4.5), depth(251.0), depth(-1.0), sender=sea.leader.station)
+    sea.say(depth(7.0), sender=Station(sea.leader.station.system, 154))  # another component of it
     sea.run(1.0)
     assert told(sea, "DEPTH")[-1] == 5.0
 
@@ -125,6 +144,24 @@ def test_other_systems_than_vessels_are_no_obstacles(kind: int) -> None:
     sea.enter_formation()
     meet(sea, 1.0, 1.0, kind)
     assert sea.condition("clear") and sea.snapshot()["separation_m"] is None
+
+
+@pytest.mark.parametrize("ours", [False, True])
+def test_an_echo_sounders_depth_makes_no_member_of_a_stranger(ours: bool) -> None:
+    """A boat yields to a stranger that comes straight at it, not to one that is deeper."""
+    sea = boat()
+    sea.enter_formation()
+    station = Station(STRANGER)
+    beat = mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_SURFACE_BOAT, 3, 4, 0, 4, 3)
+    for k in range(20):
+        if k % 10 == 0:
+            sea.say(beat, origin(sea.now_us), depth(12.0), sender=station)
+            if ours:
+                sea.say(beacon(), sender=station)
+        sea.say(local_position(Course(6.0, 0.0, math.pi, 0.5), sea.now_us), sender=station)
+        sea.run(0.1)
+    u_mps = sea.snapshot()["virtual_velocity"]["u_mps"]
+    assert (u_mps > 0.5) == ours, sea.snapshot()
 
 
 MOORED, UNKNOWN_STATUS = mavlink.AIS_NAV_STATUS_MOORED, 15

@@ -31,6 +31,12 @@ bool is_named(const link::NamedValueFloat& message, std::string_view name) {
          message.name[name.size()] == '\0';
 }
 
+/// A message that no other firmware sends.
+bool is_ours(const link::Message& message) {
+  return std::holds_alternative<link::FormationReference>(message) ||
+         std::holds_alternative<link::FleetBeacon>(message);
+}
+
 /// Position and velocity, in the sender's local frame or global; the heading does not matter.
 template <class S>
 std::optional<convert::Sample<S>> place_of(const link::Message& message) {
@@ -72,11 +78,13 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   if (!watches() || system == own_system_ || system == 0) return;
   if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
     take_heartbeat(received.from, *beat);
-  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
-    take_depth(system, *value);
   }
   if (component == 0 || autopilot_[system] != component) return;
-  if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
+  if (is_ours(received.message)) {
+    members_[system] = true;
+  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
+    take_depth(system, *value);
+  } else if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin, now_us);
   } else if (const auto sample = place_of<S>(received.message)) {
     take_place(system, *sample, own, now_us);
@@ -91,8 +99,10 @@ void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& messa
 }
 
 void Neighbours::take_depth(std::uint8_t system, const link::NamedValueFloat& message) {
-  if (!is_named(message, "DEPTH") || !(message.value >= 0 && message.value <= kDeepest)) return;
-  const auto depth = static_cast<std::uint8_t>(message.value);
+  const float told = message.value;
+  if (!members_[system] || !is_named(message, "DEPTH") || !(told >= 0 && told <= kDeepest)) return;
+  const auto depth = static_cast<std::uint8_t>(told);
+  if (static_cast<float>(depth) != told) return;
   if (system == leader_system_) leader_depth_ = depth;
   if (Vessel* vessel = find(system)) vessel->depth = depth;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -23,7 +24,8 @@ namespace flotilla::app {
 /// that all its messages share is not measured, but assumed to be 0.1 s.
 ///
 /// AIS_VESSEL counts from whichever component sends it, under the ship's MMSI, for 30 s: ships report
-/// every two to ten seconds; if it rests for 6.5 min, as it reports every three. A vessel that sends no DEPTH is a stranger.
+/// every two to ten seconds; if it rests for 6.5 min, as it reports every three. A vessel is a stranger until its
+/// autopilot sends DEPTH and this firmware's own messages: others send DEPTH of echo sounders.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
@@ -114,6 +116,7 @@ class Neighbours {
   std::array<Vessel, core::kMaxVessels> vessels_{};
   std::size_t used_ = 0;                       // of vessels_: none behind these was ever tracked
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
+  std::bitset<256> members_;                   // systems whose autopilot speaks our dialect
 };
 
 }  // namespace flotilla::app

@@ -49,7 +49,11 @@ struct Watch {
     hear(system, beat(link::mav::kTypeSurfaceBoat, link::mav::kAutopilotGeneric, steered));
     hear(system, at(north_m, east_m));
     hear(system, beat(link::mav::kTypeSurfaceBoat, link::mav::kAutopilotGeneric, steered));
-    if (depth >= 0) hear(system, value_of("DEPTH", static_cast<float>(depth), 0));
+    if (depth >= 0) tell_depth(system, static_cast<float>(depth));
+  }
+  void tell_depth(std::uint8_t system, float depth) {
+    hear(system, link::FleetBeacon{});
+    hear(system, value_of("DEPTH", depth, 0));
   }
   core::Traffic<double> look(std::int64_t now_us = 0) const {
     return neighbours.traffic(own, core::Vec2<double>{}, now_us);
@@ -249,11 +253,21 @@ TEST_CASE("the leader, the shallower and the lower system id have the way; the u
        {Meeting{9, 1, true, true}, Meeting{9, 2, true, false}, Meeting{1, 2, true, true},
         Meeting{1, 3, true, false}, Meeting{9, 3, false, true}, Meeting{9, -1, true, true}}) {
     Watch other;
-    other.hear(kLeader, value_of("DEPTH", 1, 0));
+    other.hear(kLeader, beat());
+    other.tell_depth(kLeader, 1);
     other.meet(system, 0, 9, depth, steered);
     REQUIRE(other.look().count == 1);
     CHECK(other.look().vessels[0].has_way == has_way);
   }
+}
+
+TEST_CASE("a vessel that sends DEPTH, but nothing of our dialect, is a stranger") {
+  Watch w;
+  w.meet(9, 10, 0, -1);
+  w.hear(9, value_of("DEPTH", 12, 0));
+  w.hear(9, link::FleetBeacon{}, 0, 154);  // not its autopilot's
+  w.hear(9, value_of("DEPTH", 12, 0));
+  CHECK((w.look().vessels[0].stranger && w.look().vessels[0].has_way));
 }
 
 TEST_CASE("a vessel that sends no DEPTH is a stranger, the leader never") {
@@ -364,7 +378,11 @@ TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
 
 TEST_CASE("behind a leader that tells no depth a boat is one deep; nonsense is no depth") {
   Watch w;
+  w.hear(kLeader, beat());
+  w.hear(kLeader, link::FormationReference{});
   CHECK(w.neighbours.depth() == 1);
+  w.hear(kLeader, value_of("DEPTH", 2.5F, 0));
+  w.hear(kLeader, value_of("DEPTH", 2, 0), 0, 154);
   w.hear(kLeader, value_of("DEPTH", -1, 0));
   w.hear(kLeader, value_of("DEPTH", 251, 0));
   w.hear(kLeader, value_of("DEPTH", NAN, 0));
