@@ -198,3 +198,15 @@ def test_a_ship_under_way_is_forgotten_after_half_a_minute() -> None:
     assert not sea.condition("clear")
     sea.run(30.0)
     assert sea.condition("clear")
+
+
+def test_a_change_of_the_own_origin_moves_no_ship() -> None:
+    sea = boat()
+    sea.settle()
+    sea.say(ship(1.0, 0, 0.0, MOORED))
+    sea.own.origin_on = False
+    for north_m in (0.0, 0.5, -0.9, -1.1):
+        place = at(north_m, 0.0)
+        sea.say(origin(sea.now_us, place.x, place.y), sender=sea.own.station)
+        sea.run(1.0)
+        assert sea.condition("clear") == (north_m < -1.0), north_m

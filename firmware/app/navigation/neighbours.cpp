@@ -139,7 +139,6 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) {
     return nullptr;
   }
-  look_from(own.origin);
   const convert::Sample<S> seen = local ? sample : convert::in_plane(sample, own.origin);
   const convert::Position there{seen.north_m, seen.east_m, local ? known->origin : own.origin};
   if (!convert::near(own, there)) return nullptr;
@@ -189,11 +188,19 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
   return true;
 }
 
-/// Discards places in another frame.
-void Neighbours::look_from(const link::GpsGlobalOrigin& origin) {
-  if (same(origin, frame_)) return;
-  frame_ = origin;
-  for (Vessel& vessel : vessels_) vessel.located = false;
+/// Moves the places to the frame of another origin.
+template <class S>
+void Neighbours::look_from(const convert::Position& own) {
+  if (!convert::is_valid(own.origin)) return;
+  for (Vessel& vessel : vessels_) {
+    const convert::Position there{vessel.north_m, vessel.east_m, frame_};
+    vessel.located = vessel.located && convert::near(own, there);
+    if (!vessel.located) continue;
+    const core::Vec2<S> apart_n = convert::separation<S>(own, there).n;
+    vessel.north_m = own.north_m - apart_n.x;
+    vessel.east_m = own.east_m - apart_n.y;
+  }
+  frame_ = own.origin;
 }
 
 Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
@@ -300,6 +307,7 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                                 \
+  template void Neighbours::look_from<S>(const convert::Position&);                             \
   template void Neighbours::take_news<S>(const link::Received&, const convert::Position&,       \
                                          std::int64_t);                                         \
   template core::Traffic<S> Neighbours::traffic(const convert::Position&, const core::Vec2<S>&, \

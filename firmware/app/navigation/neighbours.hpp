@@ -36,6 +36,9 @@ class Neighbours {
   /// Any message. Places are kept in the local frame of `own`. S: scalar of the computation.
   template <class S = double>
   void take(const link::Received& received, const convert::Position& own, std::int64_t now_us) {
+    if (own.origin.latitude != frame_.latitude || own.origin.longitude != frame_.longitude) {
+      look_from<S>(own);
+    }
     if (may_tell(received)) take_news<S>(received, own, now_us);
   }
 
@@ -95,7 +98,8 @@ class Neighbours {
   Vessel* take_place(std::uint32_t id, const convert::Sample<S>& sample,
                      const convert::Position& own, std::int64_t now_us);
   bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
-  void look_from(const link::GpsGlobalOrigin& origin);
+  template <class S>
+  void look_from(const convert::Position& own);
   Vessel* find(std::uint32_t id);
   Vessel* place_for(std::uint32_t id, std::optional<double> distance_m,
                     const convert::Position& own, std::int64_t now_us);

@@ -420,14 +420,18 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   CHECK(farthest_m == doctest::Approx(70).epsilon(0.01));  // not the one at 80, nor that at 100
 }
 
-TEST_CASE("where our own origin changes, places from the old one are worth nothing") {
+TEST_CASE("where our own origin changes, the vessels stay where they are") {
   Watch w;
-  w.meet(5, 5, 0, 1);
-  CHECK(w.look().count == 1);
-  w.own.origin.latitude += 1000;
+  w.meet(5, 5, 3, 1);
+  w.own.origin.latitude += 1000;  // 11.1 m north
   CHECK(w.look().count == 0);
-  w.meet(6, 30, 0, 1);
-  CHECK(w.look().count == 1);
+  w.hear(kOwn, link::GlobalPositionInt{});  // any message
+  REQUIRE(w.look().count == 1);
+  CHECK(w.look().vessels[0].p_n.x == doctest::Approx(5 - 11.1).epsilon(0.01));
+  CHECK(w.look().vessels[0].p_n.y == doctest::Approx(3).epsilon(0.01));
+  w.own.origin.latitude += 10'000'000;
+  w.hear(kOwn, link::GlobalPositionInt{});
+  CHECK(w.look().count == 0);  // too far away
 }
 
 TEST_CASE("clear is when nobody is nearer than FS_SEP_M; without it nobody is looked for") {
