@@ -116,8 +116,8 @@ bool rests(const link::AisVessel& m) {
   namespace mav = link::mav;
   constexpr int kStill_cmps = 30, kDrifts_cmps = 154;
   const std::uint8_t status = m.navigational_status;
-  const bool told = status == mav::kAisAnchored || status == mav::kAisMoored ||
-                    status == mav::kAisAground;
+  const bool told =
+      status == mav::kAisAnchored || status == mav::kAisMoored || status == mav::kAisAground;
   if ((m.flags & mav::kAisSpeed) == 0) return told;
   return m.velocity < (told ? kDrifts_cmps : kStill_cmps);
 }

@@ -24,8 +24,8 @@ namespace flotilla::app {
 /// that all its messages share is not measured, but assumed to be 0.1 s.
 ///
 /// AIS_VESSEL counts from whichever component sends it, under the ship's MMSI, for 30 s: ships report
-/// every two to ten seconds; if it rests for 6.5 min, as it reports every three. A vessel is a stranger until its
-/// autopilot sends DEPTH and this firmware's own messages: others send DEPTH of echo sounders.
+/// every two to ten seconds; for 6.5 min if it rests, for then it reports every three. A vessel is
+/// a stranger until its autopilot sends our dialect and DEPTH: others send an echo sounder's DEPTH.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
@@ -69,7 +69,7 @@ class Neighbours {
     bool dated = false;  ///< ahead_us is known
     bool has_origin = false;
     bool rests = false;    ///< a ship that stays where it is
-  bool steered = false;  ///< drives itself; only then can it yield
+    bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
     float reach_m = 0;  ///< of the hull beyond the position
