@@ -34,6 +34,11 @@ class Membership {
   /// applied() has changed since the last call.
   bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
+  /// Whether a slot that the message claims may be the own one.
+  bool may_claim(const link::Received& received) const {
+    return !kKeepsFleet || !std::holds_alternative<link::FormationReference>(received.message) ||
+           fleet().may_claim(received.from.system);
+  }
   SlotMotion slot_motion() const { return kKeepsFleet ? fleet().slot_motion() : SlotMotion{}; }
 
   bool shape_moves(std::int64_t now_us) const { return kKeepsFleet && fleet().moves(now_us); }

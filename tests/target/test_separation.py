@@ -3,15 +3,21 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.dialect import dialect
 from tests.target.course import Course
+from tests.target.plans import at
 from tests.target.sea import Sea, acks
 from tests.target.stations import (
     BOAT,
     FORMATION,
     SET_MODE,
+    STRANGER,
     TEMPORARILY_REJECTED,
     Station,
     heartbeat,
@@ -40,6 +46,16 @@ def meet(
         sea.run(0.1)
 
 
+def depth(value: float) -> Any:
+    return mavlink.MAVLink_named_value_float_message(0, b"DEPTH", value)
+
+
+def beacon() -> Any:
+    """FLEET_BEACON of a boat without a table."""
+    kind = dialect().MAVLink_fleet_beacon_message
+    return kind(**dict.fromkeys(kind.fieldnames, 0))
+
+
 def told(sea: Sea, name: str, link: int = 0) -> list[float]:
     found = [m for tick in sea.ticks for m in tick.named("NAMED_VALUE_FLOAT", link)]
     return [m.value for m in found if m.name == name]
@@ -50,8 +66,14 @@ def test_how_deep_it_is_in_the_tree_is_told_once_a_second_on_every_link() -> Non
     sea.run(3.0)
     # The leader's own depth is not known: it is a virtual one.
     assert told(sea, "DEPTH", 0) == told(sea, "DEPTH", 1) == [1.0] * 3
-    depth = mavlink.MAVLink_named_value_float_message(0, b"DEPTH", 4.0)
-    sea.say(depth, sender=sea.leader.station)
+    sea.say(depth(4.0), sender=sea.leader.station)
+    sea.run(1.0)
+    assert told(sea, "DEPTH")[-1] == 1.0
+    sea.say(heartbeat(), beacon(), depth(4.0), sender=sea.leader.station)
+    sea.run(1.0)
+    assert told(sea, "DEPTH")[-1] == 5.0
+    sea.say(depth(4.5), depth(251.0), depth(-1.0), sender=sea.leader.station)
+    sea.say(depth(7.0), sender=Station(sea.leader.station.system, 154))  # another component of it
     sea.run(1.0)
     assert told(sea, "DEPTH")[-1] == 5.0
 
@@ -122,3 +144,68 @@ def test_other_systems_than_vessels_are_no_obstacles(kind: int) -> None:
     sea.enter_formation()
     meet(sea, 1.0, 1.0, kind)
     assert sea.condition("clear") and sea.snapshot()["separation_m"] is None
+
+
+@pytest.mark.parametrize("ours", [False, True])
+def test_an_echo_sounders_depth_makes_no_member_of_a_stranger(ours: bool) -> None:
+    """A boat yields to a stranger that comes straight at it, not to one that is deeper."""
+    sea = boat()
+    sea.enter_formation()
+    station = Station(STRANGER)
+    beat = mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_SURFACE_BOAT, 3, 4, 0, 4, 3)
+    for k in range(20):
+        if k % 10 == 0:
+            sea.say(beat, origin(sea.now_us), depth(12.0), sender=station)
+            if ours:
+                sea.say(beacon(), sender=station)
+        sea.say(local_position(Course(6.0, 0.0, math.pi, 0.5), sea.now_us), sender=station)
+        sea.run(0.1)
+    assert sea.snapshot()["limited"]["yielding"] != ours
+
+
+MOORED, UNKNOWN_STATUS = mavlink.AIS_NAV_STATUS_MOORED, 15
+
+
+def ship(north_m: float, heard_s_ago: int, speed_mps: float, status: int = UNKNOWN_STATUS) -> Any:
+    """AIS_VESSEL of a ship that goes north."""
+    place = at(north_m, 0.0)
+    flags = mavlink.AIS_FLAGS_VALID_COG | mavlink.AIS_FLAGS_VALID_VELOCITY
+    fields = (211000001, place.x, place.y, 0, 0, round(100 * speed_mps), 0, status, 37)
+    return mavlink.MAVLink_ais_vessel_message(*fields, 0, 0, 0, 0, b"", b"", heard_s_ago, flags)
+
+
+@pytest.mark.parametrize(("speed_mps", "status"), [(1.0, MOORED), (0.2, UNKNOWN_STATUS)])
+def test_a_ship_at_rest_that_reports_every_three_minutes_is_not_forgotten_between(
+    speed_mps: float, status: int
+) -> None:
+    sea = boat()
+    sea.enter_formation()
+    sea.say(ship(30.0, 200, speed_mps, status))
+    sea.run(0.2)
+    near_m = sea.snapshot()["separation_m"]
+    assert near_m is not None and near_m > 5.0  # nor is its place uncertain
+    sea.say(ship(1.0, 0, 0.0, status))
+    sea.run(35.0)
+    assert not sea.condition("clear")
+
+
+def test_a_ship_under_way_is_forgotten_after_half_a_minute() -> None:
+    sea = boat()
+    sea.settle()
+    sea.say(ship(1.0, 0, 0.0, MOORED), ship(1.0, 0, 0.4))
+    sea.run(0.2)
+    assert not sea.condition("clear")
+    sea.run(30.0)
+    assert sea.condition("clear")
+
+
+def test_a_change_of_the_own_origin_moves_no_ship() -> None:
+    sea = boat()
+    sea.settle()
+    sea.say(ship(1.0, 0, 0.0, MOORED))
+    sea.own.origin_on = False
+    for north_m in (0.0, 0.5, -0.9, -1.1):
+        place = at(north_m, 0.0)
+        sea.say(origin(sea.now_us, place.x, place.y), sender=sea.own.station)
+        sea.run(1.0)
+        assert sea.condition("clear") == (north_m < -1.0), north_m

@@ -74,12 +74,13 @@ std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& message
 
 /// Of a vessel that an AIS receiver heard: its age on arrival, and how far its hull reaches from the
 /// position, m (0: unknown). Without a course or a speed it lies still; nothing if there is no fix,
-/// or a ship cannot be that fast.
+/// or a ship cannot be that fast. Rests below 0.3 m/s, or below 3 kn at anchor, moored or aground.
 template <class S>
 struct AisReport {
   Sample<S> sample;  ///< heading: the course
   std::int64_t age_us;
   S reach_m;
+  bool rests = false;  ///< reports only every three minutes (ITU-R M.1371)
 };
 template <class S>
 std::optional<AisReport<S>> ais_report_of(const link::AisVessel& message);

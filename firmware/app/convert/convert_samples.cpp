@@ -111,6 +111,17 @@ Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
   return {stamp_us, 0, 0, psi, S(0), S(0), heading.r_radps};
 }
 
+/// At anchor or moored up to 3 kn, as the standard has it: a status may be out of date.
+bool rests(const link::AisVessel& m) {
+  namespace mav = link::mav;
+  constexpr int kStill_cmps = 30, kDrifts_cmps = 154;
+  const std::uint8_t status = m.navigational_status;
+  const bool told =
+      status == mav::kAisAnchored || status == mav::kAisMoored || status == mav::kAisAground;
+  if ((m.flags & mav::kAisSpeed) == 0) return told;
+  return m.velocity < (told ? kDrifts_cmps : kStill_cmps);
+}
+
 }  // namespace
 
 template <class S>
@@ -229,7 +240,7 @@ std::optional<AisReport<S>> ais_report_of(const link::AisVessel& m) {
   if (!is_fix(m.lat, m.lon) || (m.flags & mav::kAisFast) != 0) return std::nullopt;
   if (moves && m.velocity > kFastest_cmps) return std::nullopt;
   // Whole seconds, cut off.
-  AisReport<S> out{{}, (std::int64_t{m.tslc} + 1) * 1'000'000, S(0)};
+  AisReport<S> out{{}, (std::int64_t{m.tslc} + 1) * 1'000'000, S(0), rests(m)};
   out.sample.at = {m.lat, m.lon};
   if (moves) {
     out.sample.psi_rad = S(int{m.COG}) / S(kFullTurn_cdeg) * S(2 * 3.14159265358979);

@@ -313,6 +313,11 @@ Parameters Fleet::applied(const Parameters& own) const {
   return out;
 }
 
+bool Fleet::may_claim(std::uint8_t system) const {
+  const FleetTable* table = ledger_.current();
+  return by_hand_ || !rank_in(table, system_) || is_of(*table, system);
+}
+
 /// A beacon that differs from the last one is due at once.
 void Fleet::speak(const FleetReport& report, std::int64_t now_us) {
   const FleetTable& newest = ledger_.newest();

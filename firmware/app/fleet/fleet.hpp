@@ -56,6 +56,9 @@ class Fleet {
   /// The parameters with whom the boat follows, and its slot, by the table if there is one.
   Parameters applied(const Parameters& own) const;
 
+  /// False for a system that is no member of the table that gives the boat its slot.
+  bool may_claim(std::uint8_t system) const;
+
   /// How the slot moves while the shape changes.
   const SlotMotion& slot_motion() const { return slot_motion_; }
 

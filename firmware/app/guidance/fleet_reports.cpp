@@ -29,6 +29,18 @@ void FleetReports::configure(std::uint8_t own_system, std::uint8_t leader, std::
   wait_us_ = wait_us;
 }
 
+std::int64_t FleetReports::Member::waited(std::int64_t now_us) const {
+  const std::int64_t past_us = now_us - since_us;
+  return out ? waited_us + past_us : std::max<std::int64_t>(0, waited_us - past_us);
+}
+
+void FleetReports::Member::note(bool is_out, std::int64_t now_us, std::int64_t most_us) {
+  if (is_out == out) return;
+  waited_us = std::min(waited(now_us), most_us);
+  since_us = now_us;
+  out = is_out;
+}
+
 FleetReports::Member* FleetReports::find(std::uint8_t system) {
   const auto used = std::span(members_).first(used_);
   const auto found = std::ranges::find(used, system, &Member::system);
@@ -39,15 +51,16 @@ FleetReports::Member* FleetReports::find(std::uint8_t system) {
 void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t now_us) {
   Member* member = find(system);
   if (!follows) {
-    if (member != nullptr) *member = {};
+    if (member == nullptr) return;
+    member->note(false, now_us, wait_us_);
+    member->was_in = false;
     return;
   }
   if (member == nullptr) {
-    member = std::ranges::find_if(members_, [&](const Member& m) {
-      return m.system == 0 || now_us - m.heard_us > kSilent_us;
-    });
-    if (member == members_.end()) return;
-    *member = {system, false, now_us, {}};
+    member = &*std::ranges::min_element(members_, {}, &Member::heard_us);
+    if (member->system != 0 && now_us - member->heard_us <= kSilent_us) return;
+    *member = {};
+    member->system = system;
     used_ = std::max(used_, static_cast<std::size_t>(member - members_.data()) + 1);
   }
   member->heard_us = now_us;
@@ -63,12 +76,8 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
     if (std::strncmp(value->name.data(), "IN_SLOT", value->name.size()) != 0) return;
     Member* member = find(from);
     if (member == nullptr) return;
-    if (value->value > 0) {
-      member->was_in = true;
-      member->late_us.reset();
-    } else if (member->was_in && !member->late_us) {
-      member->late_us = now_us;
-    }
+    member->was_in = member->was_in || value->value > 0;
+    member->note(member->was_in && !(value->value > 0), now_us, wait_us_);
   } else if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
     if (from != leader_ || beat->autopilot == mav::kAutopilotInvalid) return;
     constexpr std::uint8_t kSails = mav::kModeFlagCustom | mav::kModeFlagArmed;
@@ -81,9 +90,7 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
 
 std::optional<std::uint8_t> FleetReports::late(std::int64_t now_us) const {
   for (const Member& m : members_) {
-    if (m.late_us && now_us - m.heard_us < kSilent_us && now_us - *m.late_us < wait_us_) {
-      return m.system;
-    }
+    if (m.out && now_us - m.heard_us < kSilent_us && m.waited(now_us) < wait_us_) return m.system;
   }
   return std::nullopt;
 }

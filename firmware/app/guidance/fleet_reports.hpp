@@ -14,7 +14,8 @@ namespace flotilla::app {
 
 class FleetReports {
  public:
-  /// wait_us: how long to wait for one boat at most.
+  /// wait_us: how long to wait for one boat at most, and then for as long as it was back meanwhile,
+  /// so that a boat that falls out again and again stops nobody for ever.
   void configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us);
 
   void hear(const link::Received& received, std::int64_t now_us);
@@ -30,8 +31,13 @@ class FleetReports {
   struct Member {
     std::uint8_t system = 0;  ///< 0: a free entry
     bool was_in = false;      ///< its slot, since it was heard first
+    bool out = false;         ///< of it now
     std::int64_t heard_us = 0;
-    std::optional<std::int64_t> late_us;  ///< out of its slot since
+    std::int64_t since_us = 0;   ///< of `out`
+    std::int64_t waited_us = 0;  ///< until then, less the time in its slot
+
+    std::int64_t waited(std::int64_t now_us) const;
+    void note(bool is_out, std::int64_t now_us, std::int64_t most_us);
   };
 
   Member* find(std::uint8_t system);

@@ -34,9 +34,9 @@ class Pilot {
   void configure(const Configuration& configuration, const convert::Law<S>& law,
                  std::uint8_t own_system);
 
-  /// Takes any message; ignores those of unrelated vessels.
+  /// Takes any message; ignores those of unrelated vessels. may_claim: as SlotClaims has it.
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
-            link::Counters& counters);
+            link::Counters& counters, bool may_claim);
 
   /// Makes the TIMESYNC requests to send; take() gets the answers.
   TimeRequests& time_requests() { return time_; }

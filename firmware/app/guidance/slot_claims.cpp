@@ -40,7 +40,8 @@ bool SlotClaims::is_one(const RootOffset& a, const RootOffset& b) const {
   return near(a.n, b.n) && near(a.b, b.b);
 }
 
-void SlotClaims::hear(const link::Received& received, const TreePlace& place, std::int64_t now_us) {
+void SlotClaims::hear(const link::Received& received, bool may_claim, const TreePlace& place,
+                      std::int64_t now_us) {
   const std::uint8_t from = received.from.system;
   const auto* beat = std::get_if<link::Heartbeat>(&received.message);
   const auto* told = std::get_if<link::FormationReference>(&received.message);
@@ -48,7 +49,7 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
     leader_is_vessel_ =
         leader_is_vessel_ || told != nullptr || (beat != nullptr && is_vessel(*beat));
   }
-  if (told == nullptr || from == leader_ || from == own_) return;
+  if (told == nullptr || !may_claim || from == leader_ || from == own_) return;
   const auto mine = place.offset(now_us);
   const std::uint8_t root = place.branch(now_us).value_or(Branch{leader_, own_}).root;
   const bool follower = told->path[0] == own_;  // its own leaders() checks its slot

@@ -20,8 +20,9 @@ class SlotClaims {
 
   /// Takes any message. HEARTBEAT gives a vessel's type; GENERIC is a virtual leader, which takes
   /// no room, so a slot of zero is valid behind it. Boats announce their slots by
-  /// FORMATION_REFERENCE.
-  void hear(const link::Received& received, const TreePlace& place, std::int64_t now_us);
+  /// FORMATION_REFERENCE, which counts if the sender `may_claim` a slot of our fleet.
+  void hear(const link::Received& received, bool may_claim, const TreePlace& place,
+            std::int64_t now_us);
 
   /// The slot coincides with the leader, which is a vessel.
   bool leaders() const { return leader_is_vessel_ && on_leader_; }

@@ -11,6 +11,8 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kForgotten_us = 3'000'000, kShipForgotten_us = 30'000'000;
+constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
+constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship's speed leads it no further
 constexpr std::uint32_t kLastSystem = 255;
 constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
 constexpr std::int64_t kDrift = 1'000;  // a share of time by which no two clocks drift apart
@@ -27,6 +29,12 @@ bool is_vehicle(const link::Heartbeat& beat) {
 bool is_named(const link::NamedValueFloat& message, std::string_view name) {
   return std::string_view(message.name.data(), name.size()) == name &&
          message.name[name.size()] == '\0';
+}
+
+/// A message that no other firmware sends.
+bool is_ours(const link::Message& message) {
+  return std::holds_alternative<link::FormationReference>(message) ||
+         std::holds_alternative<link::FleetBeacon>(message);
 }
 
 /// Position and velocity, in the sender's local frame or global; the heading does not matter.
@@ -70,11 +78,13 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   if (!watches() || system == own_system_ || system == 0) return;
   if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
     take_heartbeat(received.from, *beat);
-  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
-    take_depth(system, *value);
   }
   if (component == 0 || autopilot_[system] != component) return;
-  if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
+  if (is_ours(received.message)) {
+    members_[system] = true;
+  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
+    take_depth(system, *value);
+  } else if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin, now_us);
   } else if (const auto sample = place_of<S>(received.message)) {
     take_place(system, *sample, own, now_us);
@@ -89,8 +99,10 @@ void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& messa
 }
 
 void Neighbours::take_depth(std::uint8_t system, const link::NamedValueFloat& message) {
-  if (!is_named(message, "DEPTH") || !(message.value >= 0 && message.value <= kDeepest)) return;
-  const auto depth = static_cast<std::uint8_t>(message.value);
+  const float told = message.value;
+  if (!members_[system] || !is_named(message, "DEPTH") || !(told >= 0 && told <= kDeepest)) return;
+  const auto depth = static_cast<std::uint8_t>(told);
+  if (static_cast<float>(depth) != told) return;
   if (system == leader_system_) leader_depth_ = depth;
   if (Vessel* vessel = find(system)) vessel->depth = depth;
 }
@@ -110,9 +122,11 @@ void Neighbours::take_ais(const link::AisVessel& message, const convert::Positio
                           std::int64_t now_us) {
   const auto report = convert::ais_report_of<S>(message);
   if (!watches() || !report || message.MMSI <= kLastSystem) return;
+  if (report->age_us > (report->rests ? kRestingForgotten_us : kShipForgotten_us)) return;
   convert::Sample<S> sample = report->sample;
   sample.stamp_us = now_us - report->age_us;
   if (Vessel* vessel = take_place(message.MMSI, sample, own, now_us)) {
+    vessel->rests = report->rests;
     vessel->reach_m = static_cast<float>(convert::number(report->reach_m));
   }
 }
@@ -125,7 +139,6 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) {
     return nullptr;
   }
-  look_from(own.origin);
   const convert::Sample<S> seen = local ? sample : convert::in_plane(sample, own.origin);
   const convert::Position there{seen.north_m, seen.east_m, local ? known->origin : own.origin};
   if (!convert::near(own, there)) return nullptr;
@@ -153,7 +166,7 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
     if (vessel.dated && stamp_us < vessel.true_us) return false;
     vessel.dated = true;
     vessel.true_us = stamp_us;
-    return now_us - stamp_us <= kShipForgotten_us;
+    return true;
   }
   if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
   const std::int64_t since_us = stamp_us + vessel.ahead_us - vessel.true_us;
@@ -175,11 +188,19 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
   return true;
 }
 
-/// Discards places in another frame.
-void Neighbours::look_from(const link::GpsGlobalOrigin& origin) {
-  if (same(origin, frame_)) return;
-  frame_ = origin;
-  for (Vessel& vessel : vessels_) vessel.located = false;
+/// Moves the places to the frame of another origin.
+template <class S>
+void Neighbours::look_from(const convert::Position& own) {
+  if (!convert::is_valid(own.origin)) return;
+  for (Vessel& vessel : vessels_) {
+    const convert::Position there{vessel.north_m, vessel.east_m, frame_};
+    vessel.located = vessel.located && convert::near(own, there);
+    if (!vessel.located) continue;
+    const core::Vec2<S> apart_n = convert::separation<S>(own, there).n;
+    vessel.north_m = own.north_m - apart_n.x;
+    vessel.east_m = own.east_m - apart_n.y;
+  }
+  frame_ = own.origin;
 }
 
 Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
@@ -223,6 +244,7 @@ std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
 }
 
 std::int64_t Neighbours::patience_us(const Vessel& vessel) {
+  if (vessel.rests) return kRestingForgotten_us;
   return vessel.id > kLastSystem ? kShipForgotten_us : kForgotten_us;
 }
 
@@ -244,7 +266,9 @@ std::uint8_t Neighbours::depth() const {
 template <class S>
 core::OtherVessel<S> Neighbours::seen(const Vessel& v, const convert::Position& own,
                                       const core::Vec2<S>& moved_n, std::int64_t now_us) {
-  const S age = convert::seconds<S>(now_us - v.true_us) + convert::scalar<S>(kOnItsWay_s);
+  const std::int64_t told_us = now_us - v.true_us;
+  const S age = convert::seconds<S>(v.rests ? std::min(told_us, kSways_us) : told_us) +
+                convert::scalar<S>(kOnItsWay_s);
   const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
   return {{convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
            convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
@@ -283,6 +307,7 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                                 \
+  template void Neighbours::look_from<S>(const convert::Position&);                             \
   template void Neighbours::take_news<S>(const link::Received&, const convert::Position&,       \
                                          std::int64_t);                                         \
   template core::Traffic<S> Neighbours::traffic(const convert::Position&, const core::Vec2<S>&, \

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -23,7 +24,8 @@ namespace flotilla::app {
 /// that all its messages share is not measured, but assumed to be 0.1 s.
 ///
 /// AIS_VESSEL counts from whichever component sends it, under the ship's MMSI, for 30 s: ships report
-/// every two to ten seconds. A vessel that sends no DEPTH is a stranger.
+/// every two to ten seconds; for 6.5 min if it rests, for then it reports every three. A vessel is
+/// a stranger until its autopilot sends our dialect and DEPTH: others send an echo sounder's DEPTH.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
@@ -34,6 +36,9 @@ class Neighbours {
   /// Any message. Places are kept in the local frame of `own`. S: scalar of the computation.
   template <class S = double>
   void take(const link::Received& received, const convert::Position& own, std::int64_t now_us) {
+    if (own.origin.latitude != frame_.latitude || own.origin.longitude != frame_.longitude) {
+      look_from<S>(own);
+    }
     if (may_tell(received)) take_news<S>(received, own, now_us);
   }
 
@@ -63,6 +68,7 @@ class Neighbours {
     bool located = false;
     bool dated = false;  ///< ahead_us is known
     bool has_origin = false;
+    bool rests = false;    ///< a ship that stays where it is
     bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
@@ -92,7 +98,8 @@ class Neighbours {
   Vessel* take_place(std::uint32_t id, const convert::Sample<S>& sample,
                      const convert::Position& own, std::int64_t now_us);
   bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
-  void look_from(const link::GpsGlobalOrigin& origin);
+  template <class S>
+  void look_from(const convert::Position& own);
   Vessel* find(std::uint32_t id);
   Vessel* place_for(std::uint32_t id, std::optional<double> distance_m,
                     const convert::Position& own, std::int64_t now_us);
@@ -113,6 +120,7 @@ class Neighbours {
   std::array<Vessel, core::kMaxVessels> vessels_{};
   std::size_t used_ = 0;                       // of vessels_: none behind these was ever tracked
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
+  std::bitset<256> members_;                   // systems whose autopilot speaks our dialect
 };
 
 }  // namespace flotilla::app

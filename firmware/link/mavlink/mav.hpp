@@ -16,6 +16,7 @@ constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateCritical = 5, 
 constexpr std::uint8_t kFrameGlobal = 0, kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8,
                        kFrameBodyOffsetNed = 9, kFrameBodyFrd = 12;
 constexpr std::uint16_t kAisCourse = 2, kAisSpeed = 4, kAisFast = 8, kAisDimensions = 64;
+constexpr std::uint8_t kAisAnchored = 1, kAisMoored = 5, kAisAground = 6;
 constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAcceleration = 4,
                        kFollowAttitude = 8;
 

@@ -57,7 +57,7 @@ TEST_CASE("a follower that falls out of its slot is waited for until it is back"
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("nobody is waited for longer than that, until it was back") {
+TEST_CASE("nobody is waited for longer than that, and then for as long as it was back") {
   Fleet fleet;
   fleet.run(1);
   fleet.in_slot(1);
@@ -68,8 +68,23 @@ TEST_CASE("nobody is waited for longer than that, until it was back") {
   fleet.in_slot(0);
   CHECK_FALSE(fleet.late());
   fleet.in_slot(1);
+  SUBCASE("left and came again") {
+    fleet.follows = false;
+    fleet.run(0.1);
+    fleet.follows = true;
+    fleet.run(0.1);
+    fleet.in_slot(1);
+  }
+  SUBCASE("never away") {}
+  fleet.in_slot(0);
+  fleet.run(0.5);
+  CHECK_FALSE(fleet.late());
+  fleet.in_slot(1);
+  fleet.run(5);
   fleet.in_slot(0);
   CHECK(fleet.late());
+  fleet.run(5.2);
+  CHECK_FALSE(fleet.late());
 }
 
 TEST_CASE("nobody waits for a boat that never was in its slot") {

@@ -49,7 +49,11 @@ struct Watch {
     hear(system, beat(link::mav::kTypeSurfaceBoat, link::mav::kAutopilotGeneric, steered));
     hear(system, at(north_m, east_m));
     hear(system, beat(link::mav::kTypeSurfaceBoat, link::mav::kAutopilotGeneric, steered));
-    if (depth >= 0) hear(system, value_of("DEPTH", static_cast<float>(depth), 0));
+    if (depth >= 0) tell_depth(system, static_cast<float>(depth));
+  }
+  void tell_depth(std::uint8_t system, float depth) {
+    hear(system, link::FleetBeacon{});
+    hear(system, value_of("DEPTH", depth, 0));
   }
   core::Traffic<double> look(std::int64_t now_us = 0) const {
     return neighbours.traffic(own, core::Vec2<double>{}, now_us);
@@ -249,11 +253,21 @@ TEST_CASE("the leader, the shallower and the lower system id have the way; the u
        {Meeting{9, 1, true, true}, Meeting{9, 2, true, false}, Meeting{1, 2, true, true},
         Meeting{1, 3, true, false}, Meeting{9, 3, false, true}, Meeting{9, -1, true, true}}) {
     Watch other;
-    other.hear(kLeader, value_of("DEPTH", 1, 0));
+    other.hear(kLeader, beat());
+    other.tell_depth(kLeader, 1);
     other.meet(system, 0, 9, depth, steered);
     REQUIRE(other.look().count == 1);
     CHECK(other.look().vessels[0].has_way == has_way);
   }
+}
+
+TEST_CASE("a vessel that sends DEPTH, but nothing of our dialect, is a stranger") {
+  Watch w;
+  w.meet(9, 10, 0, -1);
+  w.hear(9, value_of("DEPTH", 12, 0));
+  w.hear(9, link::FleetBeacon{}, 0, 154);  // not its autopilot's
+  w.hear(9, value_of("DEPTH", 12, 0));
+  CHECK((w.look().vessels[0].stranger && w.look().vessels[0].has_way));
 }
 
 TEST_CASE("a vessel that sends no DEPTH is a stranger, the leader never") {
@@ -312,6 +326,26 @@ TEST_CASE("a ship's report ages with the receiver's count, and is forgotten afte
   CHECK(w.look(91 * kSecond_us).count == 1);
 }
 
+TEST_CASE("a ship at rest stays where it is for 6.5 minutes after its report") {
+  for (int at_rest = 0; at_rest < 4; ++at_rest) {
+    link::AisVessel m = ship(40, 0);
+    m.velocity = 100;
+    if (at_rest == 0) m.navigational_status = link::mav::kAisAnchored;
+    if (at_rest == 1) m.navigational_status = link::mav::kAisMoored;
+    if (at_rest == 2) m.navigational_status = link::mav::kAisAground;
+    if (at_rest == 3) m.velocity = 29;
+    Watch w;
+    w.hear(255, m);
+    REQUIRE(w.look(389 * kSecond_us).count == 1);
+    CHECK(w.look(389 * kSecond_us).vessels[0].margin < 10.2);
+    CHECK(w.look(390 * kSecond_us).count == 0);
+    m.velocity = 155;  // it gets under way, whatever its status
+    w.hear(255, m, 20 * kSecond_us);
+    CHECK(w.look(49 * kSecond_us).count == 1);
+    CHECK(w.look(50 * kSecond_us).count == 0);
+  }
+}
+
 TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
   Watch w;
   link::AisVessel m = ship(40, 0);
@@ -344,7 +378,11 @@ TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
 
 TEST_CASE("behind a leader that tells no depth a boat is one deep; nonsense is no depth") {
   Watch w;
+  w.hear(kLeader, beat());
+  w.hear(kLeader, link::FormationReference{});
   CHECK(w.neighbours.depth() == 1);
+  w.hear(kLeader, value_of("DEPTH", 2.5F, 0));
+  w.hear(kLeader, value_of("DEPTH", 2, 0), 0, 154);
   w.hear(kLeader, value_of("DEPTH", -1, 0));
   w.hear(kLeader, value_of("DEPTH", 251, 0));
   w.hear(kLeader, value_of("DEPTH", NAN, 0));
@@ -382,14 +420,18 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   CHECK(farthest_m == doctest::Approx(70).epsilon(0.01));  // not the one at 80, nor that at 100
 }
 
-TEST_CASE("where our own origin changes, places from the old one are worth nothing") {
+TEST_CASE("where our own origin changes, the vessels stay where they are") {
   Watch w;
-  w.meet(5, 5, 0, 1);
-  CHECK(w.look().count == 1);
-  w.own.origin.latitude += 1000;
+  w.meet(5, 5, 3, 1);
+  w.own.origin.latitude += 1000;  // 11.1 m north
   CHECK(w.look().count == 0);
-  w.meet(6, 30, 0, 1);
-  CHECK(w.look().count == 1);
+  w.hear(kOwn, link::GlobalPositionInt{});  // any message
+  REQUIRE(w.look().count == 1);
+  CHECK(w.look().vessels[0].p_n.x == doctest::Approx(5 - 11.1).epsilon(0.01));
+  CHECK(w.look().vessels[0].p_n.y == doctest::Approx(3).epsilon(0.01));
+  w.own.origin.latitude += 10'000'000;
+  w.hear(kOwn, link::GlobalPositionInt{});
+  CHECK(w.look().count == 0);  // too far away
 }
 
 TEST_CASE("clear is when nobody is nearer than FS_SEP_M; without it nobody is looked for") {

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""A boat that leads by its plan, and a follower that falls out of its slot again and again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.dialect import dialect
+from tests.target.plans import at
+from tests.target.stations import BOAT, ORIGIN, STRANGER, Station
+from tests.target.test_auto import place, sailing
+
+WAIT_S = 5.0
+FOLLOWED = 1
+
+
+def reference(now_us: int, flags: int) -> Any:
+    """FORMATION_REFERENCE of a boat that follows."""
+    kind = dialect().MAVLink_formation_reference_message
+    fields = dict.fromkeys(kind.fieldnames, 0)
+    fields |= {"time_boot_ms": now_us // 1000, "sequence": now_us // 200_000 % 2**16}
+    fields |= {"latitude": ORIGIN[0], "longitude": ORIGIN[1], "offset_ahead": -4096}
+    path = [BOAT] + [0] * 23
+    return kind(**(fields | {"root": BOAT, "maker": STRANGER, "flags": flags, "path": path}))
+
+
+def sailed_m(period_s: int | None, leaves: bool = False, seconds: int = 60) -> float:
+    """How far the boat sails while its follower is in its slot for a second of each period."""
+    sea = sailing([at(0, 0), at(100, 0)], {"WP_WAIT_S": WAIT_S})
+    follower = Station(STRANGER)
+    begun_m = place(sea)[0]
+    for second in range(seconds):
+        for tenth in range(0, 10, 2):
+            left = leaves and period_s and second % period_s == 0 and tenth == 0
+            flags = 0 if left else FOLLOWED
+            sea.say(reference(sea.now_us, flags), sender=follower)
+            if tenth == 4 and period_s:
+                value = float(second % period_s == 0)
+                told = mavlink.MAVLink_named_value_float_message(0, b"IN_SLOT", value)
+                sea.say(told, sender=follower)
+            sea.run(0.2)
+    return place(sea)[0] - begun_m
+
+
+@pytest.mark.parametrize("leaves", [False, True])
+def test_a_follower_that_falls_out_of_its_slot_again_and_again_does_not_stop_the_plan(
+    leaves: bool,
+) -> None:
+    assert sailed_m(4, leaves) > 0.5 * sailed_m(None)
