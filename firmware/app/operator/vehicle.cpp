@@ -45,11 +45,6 @@ struct RequestOf {
   }
 };
 
-bool holds(const PendingRequest& pending) {
-  const auto command = command_of(pending.message);
-  return command && meaning_of(*command).request == Request::kHold;
-}
-
 bool undoes_stop(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
   return command && meaning_of(*command).request != Request::kNone;
@@ -135,9 +130,14 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
 /// Until the next tick answers it, unless it is a copy that came on another link.
 void Vehicle::keep(std::size_t link, const link::Received& received, const RequestMessage& request,
                    std::int64_t now_us, link::Counters& counters) {
-  const PendingRequest pending{now_us, request, received.from, received.target,
-                               static_cast<std::uint8_t>(link)};
-  if (!copies_.is_copy(received, link, now_us) || stops(pending)) inbox_.push(pending, counters);
+  const PendingRequest pending{now_us,
+                               request,
+                               received.from,
+                               received.target,
+                               static_cast<std::uint8_t>(link),
+                               may_command(received.from)};
+  const bool copy = copies_.is_copy(received, links_.frame(link), link, now_us);
+  if (!copy || stops(pending)) inbox_.push(pending, counters);
 }
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
@@ -252,7 +252,7 @@ bool Vehicle::answer(link::Counters& counters) {
     const std::size_t kept = asks_for_message(pending) ? kKeptRoom : kOwnRoom;
     if (links_.room(pending.link) < kept && !stops(pending)) return Taken::kKept;
     answer(pending, counters);
-    if (stops(pending) || holds(pending)) return Taken::kStop;
+    if (stops(pending)) return Taken::kStop;
     return changed_ ? Taken::kLast : Taken::kAnswered;
   };
   const auto is_void = [&](const PendingRequest& pending) {
