@@ -240,7 +240,7 @@ void Vehicle::request(Request request, link::Counters& counters) {
 }
 
 bool Vehicle::obey(Request request, link::Counters& counters) {
-  const auto decision = supervisor_.request(request, now_us_);
+  const auto decision = judge(request);
   if (decision.changed) announce_state(0, counters);
   return decision.granted;
 }
@@ -268,10 +268,28 @@ bool Vehicle::answer(link::Counters& counters) {
   return more;
 }
 
+/// AUTO by the way from where the boat is now to the item that is chosen now.
+Supervisor::Decision Vehicle::judge(Request request) {
+  if (request == Request::kAuto && supervisor_.state() != State::kAuto &&
+      missions_.fence().is_on()) {
+    const auto here = place();
+    if (here) missions_.check_way(*here, configuration_.plan);
+    if (!here || !missions_.plan_keeps_fence(false)) supervisor_.lack(core::kPlanReady);
+  }
+  return supervisor_.request(request, now_us_);
+}
+
+/// Of the last report.
+std::optional<convert::Position> Vehicle::place() const {
+  if (!report_.own || !report_.own->located) return std::nullopt;
+  const convert::OwnState& own = report_.own->state;
+  return convert::Position{own.north_m, own.east_m, own.origin};
+}
+
 Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
   Supervisor::Decision decision{true, false, 0};
   if (!asked.motor_test) {
-    decision = supervisor_.request(asked.request, now_us_);
+    decision = judge(asked.request);
   } else if (supervisor_.is_repeated(*asked.motor_test, asked.repeated, now_us_)) {
     return decision;
   } else if (convert::is_dead(asked.motor_test->share, configuration_.propulsion)) {
