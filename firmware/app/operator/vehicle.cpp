@@ -179,13 +179,15 @@ bool Vehicle::take_rc(const link::Received& received, std::int64_t now_us) {
   const auto channel = configuration_.operators.rc_switch;
   std::span<const std::uint16_t> pulses_us;
   if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
-    if (received.from.system != self().system) return true;
+    if (received.from.system != self().system || rc_.is_lost()) return true;
     pulses_us = std::span(rc->pulses).first(std::min<std::size_t>(rc->chancount, 16));
   } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
     const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
     if (!channel || !ours || !may_command(received.from)) return false;
     pulses_us = given->pulses;
   } else {
+    const auto* status = std::get_if<link::SysStatus>(&received.message);
+    if (status != nullptr && received.from.system == self().system) rc_.judge(*status);
     return false;
   }
   if (!channel || !rc_.hear(pulses_us, *channel, supervisor_.state(), now_us)) return true;
