@@ -253,7 +253,7 @@ def test_a_target_and_the_way_home_keep_the_fence() -> None:
     assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
     sea.mode(11)
     sea.run(20.0)
-    assert "straight back leaves the fence: the boat sails round" in words(sea)
+    assert "the straight way leaves the fence: the boat sails round" in words(sea)
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
 
 
