@@ -26,7 +26,7 @@ template <class S>
 core::ControllerOutput<S> Alone<S>::sail(const Now& now, S dt) {
   if (now.state == core::State::kAuto) return sail_plan(now, dt);
   if (now.state == core::State::kGuided) return sail_guided(now, dt);
-  if (now.state == core::State::kReturn) look_for_way();
+  keep_fence(now);
   return pilot_.sail(errands_.plan(), vehicle_.is_paused(), now.now_us, dt);
 }
 
@@ -52,16 +52,24 @@ void Alone<S>::start_errand(const Now& now) {
   const std::optional<Target> asked = vehicle_.take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
+  if (now.state == core::State::kReturn) return sail_back(here);
+  errands_.sail_to(now.state == core::State::kGuided && asked ? *asked : here);
+  sail_errand();
+}
+
+template <class S>
+void Alone<S>::sail_back(const Target& meanwhile) {
   const auto home = this->home();
-  if (now.state == core::State::kReturn && home) {
-    const MissionService& missions = vehicle_.missions();
-    const PlanDefaults& defaults = configuration().plan;
-    const Target back{missions.return_place(pilot_.place(), *home, defaults)};
-    errands_.sail_back(missions.fence(), pilot_.place(), back, here, defaults.margin_m);
-  } else {
-    errands_.sail_to(now.state == core::State::kGuided && asked ? *asked : here);
-  }
-  tell_way_back();
+  if (!home) return sail_round(meanwhile, meanwhile);
+  sail_round({vehicle_.missions().return_place(pilot_.place(), *home, configuration().plan)},
+             meanwhile);
+}
+
+template <class S>
+void Alone<S>::sail_round(const Target& target, const Target& meanwhile) {
+  errands_.sail_round(vehicle_.missions().fence(), pilot_.place(), target, meanwhile,
+                      configuration().plan.margin_m);
+  tell_way();
   sail_errand();
 }
 
@@ -70,15 +78,40 @@ void Alone<S>::sail_errand() {
   pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
+/// Looks further for a way round. Judges the leg that is sailed again and again: something may push
+/// the boat aside.
 template <class S>
-void Alone<S>::look_for_way() {
-  const bool found = errands_.look_for_way(vehicle_.missions().fence());
-  tell_way_back();
+void Alone<S>::keep_fence(const Now& now) {
+  const Fence& fence = vehicle_.missions().fence();
+  const bool found = errands_.look_for_way(fence);
+  tell_way();
   if (found) sail_errand();
+  if (!fence.is_on() || !leg_due_.take_if_due(now.now_us) || leg_keeps_fence()) return;
+  const Target here{convert::global_of(pilot_.place())};
+  if (now.state == core::State::kReturn) return sail_back(here);
+  sail_round(now.state == core::State::kLoiter ? here : errands_.goal(), here);
+}
+
+/// The boat heads for the vessel that sails the errand, and for the place ahead of that.
+template <class S>
+bool Alone<S>::leg_keeps_fence() const {
+  const PlanVessel<S>& sailed = pilot_.plan_vessel();
+  const auto ahead = place_of(errands_.plan()[sailed.item()]);
+  return is_free(convert::global_of(sailed.place())) && (!ahead || is_free(*ahead));
+}
+
+/// The straight way there. Outside the fence any way may lead back.
+template <class S>
+bool Alone<S>::is_free(const convert::GlobalPoint& ahead) const {
+  constexpr Fence::Length kNone{0};
+  const Fence& fence = vehicle_.missions().fence();
+  const auto from = fence.on_map(pilot_.place()), to = fence.on_map(ahead);
+  if (!from || !to || !(kNone < fence.clearance(*from))) return true;
+  return kNone < fence.clearance(*from, *to);
 }
 
 template <class S>
-void Alone<S>::tell_way_back() {
+void Alone<S>::tell_way() {
   const std::string_view news = errands_.take_news();
   if (!news.empty()) warnings_.warn(news);
 }
@@ -88,6 +121,7 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
   const auto drive = vehicle_.drive(now.now_us);
   if (vehicle_.has_target() || (driven_ && !drive)) start_errand(now);
   driven_ = drive.has_value();
+  if (!drive) keep_fence(now);
   const bool paused = vehicle_.is_paused();
   return drive ? pilot_.drive(convert::drive_of<S>(*drive), paused, now.now_us, dt)
                : pilot_.sail(errands_.plan(), paused, now.now_us, dt);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sails without a leader. AUTO: the stored plan, but where it has come to a voyage that measures the
 // hull, that. GUIDED: to a target, or by velocities. LOITER: to a stop. RTL: home, or to a rally
-// point, straight or round what the fence forbids.
+// point, straight or round what the fence forbids. A boat that was pushed aside looks for a new way.
 #pragma once
 
 #include <cstddef>
@@ -50,9 +50,13 @@ class Alone {
  private:
   void start_plan();
   void start_errand(const Now& now);
+  void sail_back(const Target& meanwhile);
+  void sail_round(const Target& target, const Target& meanwhile);
   void sail_errand();
-  void look_for_way();
-  void tell_way_back();
+  void keep_fence(const Now& now);
+  bool leg_keeps_fence() const;
+  bool is_free(const convert::GlobalPoint& ahead) const;
+  void tell_way();
   core::ControllerOutput<S> sail_guided(const Now& now, S dt);
   core::ControllerOutput<S> sail_plan(const Now& now, S dt);
   core::ControllerOutput<S> sail_items(const Now& now, S dt);
@@ -72,6 +76,7 @@ class Alone {
   VoyagePilot<S> voyage_;                 // of AUTO
   std::optional<std::uint16_t> reached_;  // item of the plan
   Schedule way_due_{100'000};
+  Schedule leg_due_{1'000'000};
 };
 
 }  // namespace flotilla::app

@@ -162,6 +162,9 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
         now_us);
   }
   const FleetOrder order = fleet_.order(state(), conditions_, now_us);
+  if (order == FleetOrder::kLead && last_tick_us_) {
+    vehicle_.report(report_of(parts_, *last_tick_us_));
+  }
   if (fleet_.take_change()) {
     configure();
     const SlotMotion slot = fleet_.slot_motion();
@@ -243,7 +246,7 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
 
 template <class S>
 void Boat<S>::look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us) {
-  const MissionService& missions = vehicle_.missions();
+  MissionService& missions = vehicle_.missions();
   FenceWatch::Seen seen{now_us, place, {}};
   if (place && missions.fence().is_on()) {
     const core::Motion<S>& motion = pilot_.motion();
@@ -252,6 +255,7 @@ void Boat<S>::look_at_fence(const std::optional<convert::Position>& place, std::
     seen.velocity_n = {convert::q16(v.x), convert::q16(v.y)};
     if (!core::law_drives(state())) alone_.check_way(*place, now_us);
   }
+  if (core::law_drives(state())) missions.forget_way();
   fence_watch_.look(missions.fence(), configuration().stopping, seen);
 }
 

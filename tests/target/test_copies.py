@@ -10,9 +10,20 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.plans import as_sent, at, plan_of
 from tests.target.sea import Sea, acks, named
-from tests.target.stations import ACCEPTED, BOAT, FORMATION, HOLD, SET_MODE, command_long
+from tests.target.stations import (
+    ACCEPTED,
+    BOAT,
+    FORMATION,
+    GCS,
+    GCS_COMPONENT,
+    HOLD,
+    REQUEST_MESSAGE,
+    SET_MODE,
+    Station,
+    command_long,
+)
 
-RADIO = 1
+RADIO, LOITER = 1, 5
 
 
 @pytest.fixture
@@ -51,6 +62,59 @@ def test_a_stop_is_obeyed_however_often_it_comes(sea: Sea) -> None:
     sea.boat.on_mavlink(wire, sea.now_us, RADIO)
     sea.step()
     assert sea.state == "DISARMED"
+
+
+def test_equal_numbers_on_two_links_make_no_copies_of_different_requests(sea: Sea) -> None:
+    """A ground station that numbers the messages of each link apart."""
+    stations = [Station(GCS, GCS_COMPONENT) for _ in range(2)]
+    sea.say(command_long(REQUEST_MESSAGE, 148.0), sender=stations[0], link=0)
+    sea.run(1.0)
+    sea.say(command_long(SET_MODE, 1.0, float(LOITER)), sender=stations[1], link=RADIO)
+    assert acks(sea.step(), RADIO) == [(SET_MODE, ACCEPTED)] and sea.state == "LOITER"
+
+
+def stopping() -> list[Any]:
+    return [
+        command_long(SET_MODE, 1.0, float(HOLD)),
+        command_long(SET_MODE, 1.0, 4.0, 3.0),
+        mavlink.MAVLink_set_mode_message(BOAT, 1, HOLD),
+        mavlink.MAVLink_command_int_message(BOAT, 1, 0, SET_MODE, 0, 0, 1, HOLD, 0, 0, 0, 0, 0),
+    ]
+
+
+@pytest.mark.parametrize("message", stopping(), ids=range(4))
+def test_hold_is_obeyed_even_as_a_copy(sea: Sea, message: Any) -> None:
+    wire = say(sea, message)
+    sea.step()
+    assert sea.state == "HOLD"
+    sea.mode(FORMATION)
+    assert sea.state == "FORMATION"
+    sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+    sea.step()
+    assert sea.state == "HOLD"
+
+
+@pytest.mark.parametrize("message", stopping(), ids=range(4))
+def test_hold_is_obeyed_however_many_requests_a_stranger_sends(sea: Sea, message: Any) -> None:
+    stranger = Station(77, 1)
+    pings = [mavlink.MAVLink_ping_message(0, n, 0, 0) for n in range(40)]
+    sea.say(*pings, sender=stranger)
+    sea.say(message)
+    sea.say(*pings, sender=stranger)
+    sea.step()
+    assert sea.state == "HOLD"
+
+
+def test_a_stranger_who_may_not_command_takes_no_place_from_a_hold_or_a_disarm() -> None:
+    sea = Sea({"MAV_GCS_SYSID": float(GCS)})
+    hold = command_long(SET_MODE, 1.0, float(HOLD))
+    sea.enter_formation()
+    for message, state in [(hold, "HOLD"), (command_long(400, 0.0), "DISARMED")]:
+        sea.say(*[hold] * 40, sender=Station(77, 1))
+        sea.say(message)
+        sea.say(*[hold] * 40, sender=Station(77, 1))
+        sea.step()
+        assert sea.state == state
 
 
 def test_the_same_request_said_anew_by_another_link_is_answered(sea: Sea) -> None:

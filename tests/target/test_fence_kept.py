@@ -136,6 +136,35 @@ def test_auto_does_not_begin_where_the_way_to_the_plan_leaves_the_fence() -> Non
     assert words(sea)[-1] == "Plan: the way there leaves the fence"
 
 
+@pytest.mark.parametrize("via", [None, 5, 15], ids=["HOLD", "LOITER", "GUIDED"])
+def test_auto_is_judged_by_the_way_to_the_item_that_was_chosen_just_now(via: int | None) -> None:
+    """The plan leads round a wall; the way to its third place goes through it."""
+    wall = corners(KEEP_OUT, [(8, -20), (8, 20), (9, 20), (9, -20)])
+    sea = fenced([at(0, 5), at(0, 28), at(17, 28), at(17, 0)], wall)
+    if via is not None:
+        assert acks(sea.mode(via)) == [(SET_MODE, ACCEPTED)]
+        sea.run(1.0)
+    state = sea.state
+    assert acks(sea.order(SET_CURRENT, 3.0)) == [(SET_CURRENT, ACCEPTED)]
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert sea.state == state and words(sea)[-1] == "Plan: the way there leaves the fence"
+    assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)] and sea.state == "AUTO"
+
+
+def test_auto_is_judged_from_where_the_boat_has_sailed_meanwhile() -> None:
+    """In GUIDED to a place from which the plan's first one is behind an isle."""
+    sea = fenced([at(0, -10)], corners(KEEP_OUT, [(2, -3), (2, 3), (8, 3), (8, -3)]))
+    for north, east, result in [(0, 10, ACCEPTED), (10, 5, TEMPORARILY_REJECTED)]:
+        there = at(north, east)
+        go = (BOAT, 1, 6, 192, 0, 0, 1.0, 1.0, 0, 0, there.x, there.y, 0)
+        sea.say(mavlink.MAVLink_command_int_message(*go))
+        sea.run(30.0)
+        assert sea.state == "GUIDED" and place(sea) == pytest.approx((north, east), abs=0.5)
+        assert acks(sea.mode(AUTO)) == [(SET_MODE, result)]
+        assert sea.state == ("AUTO" if result == ACCEPTED else "GUIDED")
+
+
 def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
     sea = fenced([at(50, 0)], box(50, 0, 20))
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
@@ -224,7 +253,7 @@ def test_a_target_and_the_way_home_keep_the_fence() -> None:
     assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
     sea.mode(11)
     sea.run(20.0)
-    assert "straight back leaves the fence: the boat sails round" in words(sea)
+    assert "the straight way leaves the fence: the boat sails round" in words(sea)
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
 
 

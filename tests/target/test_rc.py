@@ -98,6 +98,36 @@ def test_a_transmitter_that_falls_silent_leads_to_hold() -> None:
     assert sea.commands == (0, 0), "the sticks are not at neutral"
 
 
+def status(healthy: bool, present: bool = True) -> Any:
+    bit = mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER if present else 0
+    health = bit if healthy else 0
+    return mavlink.MAVLink_sys_status_message(bit, bit, health, 0, 12000, -1, -1, *[0] * 6)
+
+
+def test_a_receiver_that_repeats_its_last_pulses_leads_to_hold() -> None:
+    sea = at_sea(WITH_RC)
+    sea.say(status(healthy=True), sender=RECEIVER)
+    hold(sea, rc(on=True), 0.2)
+    hold(sea, rc(ahead=0.5, on=True), 0.2)
+    assert sea.state == "MANUAL" and any(sea.commands)
+    sea.say(status(healthy=False), sender=RECEIVER)
+    sea.say(status(healthy=True, present=False), sender=Station(BOAT, 191))
+    hold(sea, rc(ahead=0.5, on=True), 1.0)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    hold(sea, rc(on=True), 1.0)
+    assert sea.state == "HOLD", "the switch is not heard either"
+    sea.say(status(healthy=True), sender=RECEIVER)
+    hold(sea, rc(on=True), 0.2)
+    assert sea.state == "MANUAL"
+
+
+def test_another_boats_receiver_may_be_lost() -> None:
+    sea = at_sea(WITH_RC)
+    sea.say(status(healthy=False), sender=Station(LEADER, 1))
+    hold(sea, rc(on=True), 0.2)
+    assert sea.state == "MANUAL"
+
+
 @pytest.mark.parametrize("sender", [Station(LEADER, 1), Station(77, 140), Station(255, 190)])
 def test_nobody_elses_receiver_counts(sender: Station) -> None:
     sea = at_sea(WITH_RC)

@@ -26,9 +26,9 @@ from tests.target.stations import BOAT, HOLD
 from tests.target.test_auto import at_sea, place
 from tests.target.test_fence_kept import HULL, send, words
 
-RTL, REPOSITION, LOITER_MODE = 11, 192, 5
-NO_WAY = "no way back keeps the fence: the boat waits"
-ROUND = "straight back leaves the fence: the boat sails round"
+RTL, REPOSITION, LOITER_MODE, FENCE_ENABLE = 11, 192, 5, 207
+NO_WAY = "no way keeps the fence: the boat waits"
+ROUND = "the straight way leaves the fence: the boat sails round"
 Points = list[tuple[float, float]]
 
 WALL: Points = [(8, -12), (8, 9), (12, 9), (12, -12)]
@@ -91,12 +91,23 @@ def shortest_m(outs: list[Points], ins: list[Points], start: tuple[float, float]
     return float(shortest_path(lengths, indices=0)[1])
 
 
+def go_to(sea: Afloat, north: float, east: float) -> None:
+    there = at(north, east)
+    go = (BOAT, 1, 6, REPOSITION, 0, 0, 1.0, 1.0, 0, 0, there.x, there.y, 0)
+    sea.say(mavlink.MAVLink_command_int_message(*go))
+    sea.step()
+
+
+def set_out(sea: Afloat) -> None:
+    """Until the boat has begun to sail south."""
+    while place(sea)[0] > 19.0:
+        sea.run(0.2)
+
+
 def away(goal: tuple[float, float]) -> Afloat:
     """A boat that was armed at 0, 0 and lies at `goal`."""
     sea = at_sea([])
-    there = at(*goal)
-    go = (BOAT, 1, 6, REPOSITION, 0, 0, 1.0, 1.0, 0, 0, there.x, there.y, 0)
-    sea.say(mavlink.MAVLink_command_int_message(*go))
+    go_to(sea, *goal)
     sea.run(25.0 + 1.5 * math.hypot(*goal))
     assert place(sea) == pytest.approx(goal, abs=0.3)
     sea.mode(HOLD)
@@ -132,6 +143,60 @@ def test_without_a_way_back_the_boat_waits_and_says_so() -> None:
     sea.run(10.0)
     assert NO_WAY in words(sea) and sea.state == "RTL"
     assert place(sea) == pytest.approx((20, 0), abs=0.1)
+
+
+def test_under_way_home_a_boat_judges_its_way_again() -> None:
+    """The fence is on only when the boat is under way: its straight leg leads through a wall."""
+    sea = away((20, 0))
+    assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED
+    sea.order(FENCE_ENABLE, 0.0)
+    sea.mode(RTL)
+    set_out(sea)
+    assert ROUND not in words(sea)
+    sea.order(FENCE_ENABLE, 1.0)
+    track = [place(sea)]
+    while math.hypot(*track[-1]) > 0.3 and len(track) < 1000:
+        sea.run(0.2)
+        track.append(place(sea))
+    assert sea.state == "RTL" and words(sea).count(ROUND) == 1
+    assert len(track) < 1000, track[-1]
+    assert clearance(np.asarray(track), [WALL], []).min() > 0.8 * HULL
+
+
+@pytest.mark.parametrize("state", ["RTL", "GUIDED"])
+def test_under_way_a_boat_that_has_no_way_any_more_waits(state: str) -> None:
+    sea = away((20, 0))
+    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
+    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
+    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
+    sea.order(FENCE_ENABLE, 0.0)
+    if state == "RTL":
+        sea.mode(RTL)
+    else:
+        go_to(sea, 0, 0)
+    set_out(sea)
+    sea.order(FENCE_ENABLE, 1.0)
+    sea.run(30.0)
+    assert sea.state == state and words(sea).count(NO_WAY) == 1
+    assert place(sea)[0] > 12.5
+    waits = place(sea)
+    sea.run(5.0)
+    assert place(sea) == pytest.approx(waits, abs=0.1)
+
+
+def test_a_boat_that_is_on_its_way_to_a_target_sails_round_as_well() -> None:
+    sea = away((20, 0))
+    assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED
+    sea.order(FENCE_ENABLE, 0.0)
+    go_to(sea, 2, 1)
+    set_out(sea)
+    sea.order(FENCE_ENABLE, 1.0)
+    track = []
+    for _ in range(400):
+        sea.run(0.2)
+        track.append(place(sea))
+    assert sea.state == "GUIDED" and track[-1] == pytest.approx((2, 1), abs=0.3)
+    assert clearance(np.asarray(track), [WALL], []).min() > 0.8 * HULL
 
 
 def test_a_boat_that_leaves_rtl_gives_up_the_search() -> None:

@@ -30,6 +30,9 @@ class Errand {
   /// By these places first, at most kBends, passing within radius_m of them.
   void sail_by(std::span<const convert::GlobalPoint> bends, float radius_m, const Target& target);
 
+  /// Where it ends.
+  Target target() const;
+
   Plan plan() const { return Plan(items_).first(count_); }
 
  private:

@@ -4,7 +4,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::string_view kNoWay = "no way back keeps the fence: the boat waits";
+constexpr std::string_view kNoWay = "no way keeps the fence: the boat waits";
 
 }  // namespace
 
@@ -13,12 +13,12 @@ void Errands::sail_to(const Target& target) {
   errand_.sail_to(target);
 }
 
-void Errands::sail_back(const Fence& fence, const convert::Position& here, const Target& back,
-                        const Target& meanwhile, float margin_m) {
-  const bool straight = !fence.is_on() || fence.refusal_of(here, back.place, 0).empty();
-  sail_to(straight ? back : meanwhile);
+void Errands::sail_round(const Fence& fence, const convert::Position& here, const Target& target,
+                         const Target& meanwhile, float margin_m) {
+  const bool straight = !fence.is_on() || fence.refusal_of(here, target.place, 0).empty();
+  sail_to(straight ? target : meanwhile);
   if (straight) return;
-  way_round_.begin(fence, here, back, margin_m);
+  way_round_.begin(fence, here, target, margin_m);
   if (!way_round_.is_searching()) news_ = kNoWay;
 }
 
@@ -30,7 +30,7 @@ bool Errands::look_for_way(const Fence& fence) {
     news_ = kNoWay;
     return false;
   }
-  news_ = "straight back leaves the fence: the boat sails round";
+  news_ = "the straight way leaves the fence: the boat sails round";
   errand_ = way_round_.errand(fence);
   return true;
 }

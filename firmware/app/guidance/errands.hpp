@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the boat sails in GUIDED, LOITER and RTL: an errand, or, where the straight way home leaves
+// Where the boat sails in GUIDED, LOITER and RTL: an errand, or, where the straight way there leaves
 // the fence, a wait while a way round is looked for, and then that way.
 #pragma once
 
@@ -16,16 +16,18 @@ class Errands {
  public:
   void sail_to(const Target& target);
 
-  /// Home, or to a rally point; waits at a place `meanwhile` if a way round has to be found.
-  void sail_back(const Fence& fence, const convert::Position& here, const Target& back,
-                 const Target& meanwhile, float margin_m);
+  /// The same, but waits at a place `meanwhile` if a way round has to be found.
+  void sail_round(const Fence& fence, const convert::Position& here, const Target& target,
+                  const Target& meanwhile, float margin_m);
 
   /// Once a tick: looks further for a way round. True if plan() has changed.
   [[nodiscard]] bool look_for_way(const Fence& fence);
 
   Plan plan() const { return errand_.plan(); }
+  /// Where plan() ends.
+  Target goal() const { return errand_.target(); }
 
-  /// News of the way back for the operator, once; empty: none.
+  /// News of the way for the operator, once; empty: none.
   std::string_view take_news() { return std::exchange(news_, {}); }
 
  private:

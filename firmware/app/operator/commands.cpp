@@ -247,15 +247,18 @@ bool is_stop(const Command& c) {
   return is_disarm(c) || (c.id == mav::kCmdDoFlightTermination && c.param[0] == 1);
 }
 
+bool stops_boat(const Command& c) {
+  const Request request = meaning_of(c).request;
+  return request == Request::kDisarm || request == Request::kTerminate || request == Request::kHold;
+}
+
 bool stops_boat(const link::Message& message) {
   RequestMessage asked;
   if (const auto* c = std::get_if<link::CommandLong>(&message)) asked = *c;
   if (const auto* c = std::get_if<link::CommandInt>(&message)) asked = *c;
   if (const auto* m = std::get_if<link::SetMode>(&message)) asked = *m;
   const auto command = command_of(asked);
-  if (!command) return false;
-  const Request request = meaning_of(*command).request;
-  return request == Request::kDisarm || request == Request::kTerminate || request == Request::kHold;
+  return command && stops_boat(*command);
 }
 
 DecodedCommand meaning_of(const Command& c) {

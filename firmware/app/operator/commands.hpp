@@ -44,10 +44,12 @@ bool is_go_here(const RequestMessage& message);
 
 bool is_disarm(const Command& command);
 
-/// Disarming or flight termination.
+/// Disarming or flight termination: obeyed from anybody.
 bool is_stop(const Command& command);
 
-/// The same, or HOLD: obeyed from any correctly signed message, whatever its age.
+/// The same, or HOLD: never ignored as a copy, lost or postponed, and obeyed from any correctly
+/// signed message, whatever its age.
+bool stops_boat(const Command& command);
 bool stops_boat(const link::Message& message);
 
 struct MessageRequest {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "link/mavlink/messages.hpp"
 
@@ -14,14 +15,17 @@ namespace flotilla::app {
 
 class Copies {
  public:
-  /// Whether this very message came by another link within the last 5 s; remembers it.
-  bool is_copy(const link::Received& received, std::size_t link, std::int64_t now_us) {
+  /// Whether this very message, of these bytes, came by another link within the last 5 s; remembers
+  /// it.
+  bool is_copy(const link::Received& received, std::span<const std::uint8_t> frame,
+               std::size_t link, std::int64_t now_us) {
     constexpr std::uint32_t kLate_ms = 5000;
-    const Seen now{static_cast<std::uint32_t>(now_us / 1000), received.id, received.from,
-                   received.sequence, static_cast<std::uint8_t>(link)};
+    const Seen now{
+        static_cast<std::uint32_t>(now_us / 1000), received.id,    received.from, received.sequence,
+        static_cast<std::uint8_t>(link),           checksum(frame)};
     const bool copy = std::ranges::any_of(seen_, [&](const Seen& then) {
       return then.link != now.link && then.sequence == now.sequence && then.id == now.id &&
-             then.from == now.from && now.ms - then.ms < kLate_ms;
+             then.from == now.from && then.checksum == now.checksum && now.ms - then.ms < kLate_ms;
     });
     seen_[next_] = now;
     next_ = (next_ + 1) % seen_.size();
@@ -33,7 +37,16 @@ class Copies {
     std::uint32_t ms = 0, id = 0;
     link::Address from{};  // of nobody
     std::uint8_t sequence = 0, link = 0;
+    std::uint16_t checksum = 0;
   };
+
+  /// Behind header and payload, before a signature. A sender may number each link's messages apart,
+  /// so the number alone does not tell a copy.
+  static std::uint16_t checksum(std::span<const std::uint8_t> frame) {
+    constexpr std::uint8_t kMavlink2 = 0xFD;
+    const std::size_t at = (frame[0] == kMavlink2 ? 10U : 6U) + frame[1];
+    return static_cast<std::uint16_t>(frame[at] | frame[at + 1] << 8);
+  }
 
   std::array<Seen, 32> seen_{};
   std::size_t next_ = 0;

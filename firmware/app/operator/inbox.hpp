@@ -19,16 +19,24 @@ struct PendingRequest {
   link::Address from{};
   link::Address target{};
   std::uint8_t link = 0;
+  bool may_command = true;
 };
 
-/// Disarms or terminates: must never be lost or postponed.
-inline bool stops(const PendingRequest& pending) {
+/// Disarms or terminates.
+inline bool ends(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
   return command && is_stop(*command);
 }
 
+/// The same, or a HOLD that is obeyed: must never be lost or postponed.
+inline bool stops(const PendingRequest& pending) {
+  const auto command = command_of(pending.message);
+  return command && (pending.may_command ? stops_boat(*command) : is_stop(*command));
+}
+
 /// First in, first out. A request that does not fit is counted; its sender repeats it. A stop
-/// always fits, in place of another request, and the latest stop wins.
+/// always fits, in place of another request, and the latest stop wins; but HOLD never takes the
+/// place of disarming or termination.
 class Inbox {
  public:
   void push(const PendingRequest& pending, link::Counters& counters) {
@@ -38,8 +46,13 @@ class Inbox {
     }
     ++counters.requests_dropped;
     if (!stops(pending)) return;
-    const auto first = std::find_if_not(pending_.rbegin(), pending_.rend(), stops);
-    const auto given_up = first == pending_.rend() ? pending_.end() - 1 : first.base() - 1;
+    auto last = std::find_if_not(pending_.rbegin(), pending_.rend(), stops);
+    if (last == pending_.rend()) last = std::find_if_not(pending_.rbegin(), last, ends);
+    if (last == pending_.rend()) {
+      if (!ends(pending)) return;
+      last = pending_.rbegin();
+    }
+    const auto given_up = last.base() - 1;
     std::move(given_up + 1, pending_.end(), given_up);
     pending_.back() = pending;
   }

@@ -295,6 +295,7 @@ bool MissionService::set_current(std::size_t item) {
   current_ = std::max(item, homes_of(plan()));
   complete_ = false;
   jumped_ = true;
+  way_why_ = {};
   return true;
 }
 

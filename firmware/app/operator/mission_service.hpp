@@ -98,8 +98,10 @@ class MissionService {
   /// Why the straight way from the boat to an item, or the first place after it, leaves the fence.
   std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
                                   const PlanDefaults& defaults) const;
-  /// Before AUTO: judges the way from the boat to where the plan begins.
+  /// Before AUTO: judges the way from the boat to where the plan begins. Of a boat that moves, the
+  /// judgement is soon of no use: forget it.
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
+  void forget_way() { way_why_ = {}; }
   /// The plan keeps the fence. While it is sailed, a judgement that is not over does not stop it.
   bool plan_keeps_fence(bool in_auto) const;
   /// Why not, for the operator; empty: it does, or there is no plan.

@@ -46,6 +46,12 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
   return true;
 }
 
+void RcInput::judge(const link::SysStatus& status) {
+  constexpr std::uint32_t kReceiver = link::mav::kSensorRcReceiver;
+  if ((status.sensors_present & kReceiver) == 0) return;
+  lost_ = (status.sensors_enabled & ~status.sensors_health & kReceiver) != 0;
+}
+
 std::optional<Request> RcInput::take_request(State state, std::int64_t now_us) {
   const auto asked = std::exchange(asks_, std::nullopt);
   const bool can = core::law_drives(state) || state == State::kHold;

@@ -19,6 +19,11 @@ class RcInput {
   /// that is needed is missing or has no valid pulse.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
             core::State state, std::int64_t now_us);
+  /// The receiver's health, by the unit that it is connected to: one that has lost its transmitter
+  /// may repeat its last pulses for ever. A unit without a receiver changes nothing.
+  void judge(const link::SysStatus& status);
+  bool is_lost() const { return lost_; }
+
   std::optional<Sticks> sticks() const { return pilots_ ? std::optional(sticks_) : std::nullopt; }
 
   /// The pilot's pending request, MANUAL or HOLD; MANUAL again and again while the switch is on.
@@ -28,6 +33,7 @@ class RcInput {
   Sticks sticks_, rest_;
   std::int64_t heard_us_ = 0;
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
+  bool lost_ = false;
   std::optional<core::Request> asks_;
 };
 

@@ -45,11 +45,6 @@ struct RequestOf {
   }
 };
 
-bool holds(const PendingRequest& pending) {
-  const auto command = command_of(pending.message);
-  return command && meaning_of(*command).request == Request::kHold;
-}
-
 bool undoes_stop(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
   return command && meaning_of(*command).request != Request::kNone;
@@ -135,9 +130,14 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
 /// Until the next tick answers it, unless it is a copy that came on another link.
 void Vehicle::keep(std::size_t link, const link::Received& received, const RequestMessage& request,
                    std::int64_t now_us, link::Counters& counters) {
-  const PendingRequest pending{now_us, request, received.from, received.target,
-                               static_cast<std::uint8_t>(link)};
-  if (!copies_.is_copy(received, link, now_us) || stops(pending)) inbox_.push(pending, counters);
+  const PendingRequest pending{now_us,
+                               request,
+                               received.from,
+                               received.target,
+                               static_cast<std::uint8_t>(link),
+                               may_command(received.from)};
+  const bool copy = copies_.is_copy(received, links_.frame(link), link, now_us);
+  if (!copy || stops(pending)) inbox_.push(pending, counters);
 }
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
@@ -179,13 +179,15 @@ bool Vehicle::take_rc(const link::Received& received, std::int64_t now_us) {
   const auto channel = configuration_.operators.rc_switch;
   std::span<const std::uint16_t> pulses_us;
   if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
-    if (received.from.system != self().system) return true;
+    if (received.from.system != self().system || rc_.is_lost()) return true;
     pulses_us = std::span(rc->pulses).first(std::min<std::size_t>(rc->chancount, 16));
   } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
     const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
     if (!channel || !ours || !may_command(received.from)) return false;
     pulses_us = given->pulses;
   } else {
+    const auto* status = std::get_if<link::SysStatus>(&received.message);
+    if (status != nullptr && received.from.system == self().system) rc_.judge(*status);
     return false;
   }
   if (!channel || !rc_.hear(pulses_us, *channel, supervisor_.state(), now_us)) return true;
@@ -240,7 +242,7 @@ void Vehicle::request(Request request, link::Counters& counters) {
 }
 
 bool Vehicle::obey(Request request, link::Counters& counters) {
-  const auto decision = supervisor_.request(request, now_us_);
+  const auto decision = judge(request);
   if (decision.changed) announce_state(0, counters);
   return decision.granted;
 }
@@ -252,7 +254,7 @@ bool Vehicle::answer(link::Counters& counters) {
     const std::size_t kept = asks_for_message(pending) ? kKeptRoom : kOwnRoom;
     if (links_.room(pending.link) < kept && !stops(pending)) return Taken::kKept;
     answer(pending, counters);
-    if (stops(pending) || holds(pending)) return Taken::kStop;
+    if (stops(pending)) return Taken::kStop;
     return changed_ ? Taken::kLast : Taken::kAnswered;
   };
   const auto is_void = [&](const PendingRequest& pending) {
@@ -268,10 +270,28 @@ bool Vehicle::answer(link::Counters& counters) {
   return more;
 }
 
+/// AUTO by the way from where the boat is now to the item that is chosen now.
+Supervisor::Decision Vehicle::judge(Request request) {
+  if (request == Request::kAuto && supervisor_.state() != State::kAuto &&
+      missions_.fence().is_on()) {
+    const auto here = place();
+    if (here) missions_.check_way(*here, configuration_.plan);
+    if (!here || !missions_.plan_keeps_fence(false)) supervisor_.lack(core::kPlanReady);
+  }
+  return supervisor_.request(request, now_us_);
+}
+
+/// Of the last report.
+std::optional<convert::Position> Vehicle::place() const {
+  if (!report_.own || !report_.own->located) return std::nullopt;
+  const convert::OwnState& own = report_.own->state;
+  return convert::Position{own.north_m, own.east_m, own.origin};
+}
+
 Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
   Supervisor::Decision decision{true, false, 0};
   if (!asked.motor_test) {
-    decision = supervisor_.request(asked.request, now_us_);
+    decision = judge(asked.request);
   } else if (supervisor_.is_repeated(*asked.motor_test, asked.repeated, now_us_)) {
     return decision;
   } else if (convert::is_dead(asked.motor_test->share, configuration_.propulsion)) {

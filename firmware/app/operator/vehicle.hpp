@@ -68,7 +68,8 @@ class Vehicle {
   /// Applies the RC pilot's request, which overrides those of other operators.
   void apply_rc(link::Counters& counters);
 
-  /// A request by the fleet's rule, judged as an operator's. False if it is refused.
+  /// A request by the fleet's rule, judged as an operator's, by the last report. False if it is
+  /// refused.
   bool obey(core::Request request, link::Counters& counters);
 
   /// Call while a stop switch is pressed: FAULT until an operator disarms the boat after its
@@ -140,7 +141,7 @@ class Vehicle {
   SaveRequest take_save_request() { return std::exchange(save_, SaveRequest::kNone); }
 
   /// Lets the host judge MAV_CMD_INJECT_FAILURE; without a judge the command is unsupported.
-  void let_failures_be_injected(FailureJudge judge) { failure_judge_ = judge; }
+  void let_failures_be_injected(FailureJudge by) { failure_judge_ = by; }
   std::optional<Failure> take_failure() { return std::exchange(failure_, std::nullopt); }
 
  private:
@@ -171,6 +172,8 @@ class Vehicle {
   std::uint8_t answer_of_fence(DecodedCommand& asked);
   std::optional<PlanReport> plan_report() const;
   void freshen();
+  Supervisor::Decision judge(core::Request request);
+  std::optional<convert::Position> place() const;
   Supervisor::Decision ask(DecodedCommand& asked);
   void warn_of_signing(link::Counters& counters);
   std::uint8_t answer_of(std::size_t link, const MessageRequest& request) const;

@@ -179,28 +179,23 @@ void Vehicle::judge_target(DecodedCommand& asked) const {
     refuse(mav::kDenied, "speed 0.05 to 5 m/s, or LAW_U_MAX");
   } else if (asked.request == Request::kNone && !guided) {
     refuse(mav::kDenied, "target without GUIDED");
-  } else if (!report_.own || !report_.own->located) {
+  } else if (const auto here = place(); !here) {
     refuse(mav::kTemporarilyRejected, "own place is unknown");
-  } else {
-    const convert::OwnState& own = report_.own->state;
-    const convert::Position here{own.north_m, own.east_m, own.origin};
-    if (!convert::way_to<double>(here, asked.target->place, kErrandReach_m).near) {
-      refuse(mav::kDenied, "target is over 2.9 km away");
-    } else if (missions_.fence().is_on()) {
-      const auto why =
-          missions_.fence().refusal_of(here, asked.target->place, configuration_.plan.margin_m);
-      if (!why.empty()) refuse(mav::kDenied, why);
-    }
+  } else if (!convert::way_to<double>(*here, asked.target->place, kErrandReach_m).near) {
+    refuse(mav::kDenied, "target is over 2.9 km away");
+  } else if (missions_.fence().is_on()) {
+    const auto why =
+        missions_.fence().refusal_of(*here, asked.target->place, configuration_.plan.margin_m);
+    if (!why.empty()) refuse(mav::kDenied, why);
   }
 }
 
 /// Goes to an item, if the way there keeps the fence.
 std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
   if (supervisor_.state() == core::State::kAuto && missions_.fence().is_on()) {
-    if (!report_.own || !report_.own->located) return mav::kTemporarilyRejected;
-    const convert::OwnState& own = report_.own->state;
-    asked.why = missions_.refusal_of_way({own.north_m, own.east_m, own.origin}, *asked.item,
-                                         configuration_.plan);
+    const auto here = place();
+    if (!here) return mav::kTemporarilyRejected;
+    asked.why = missions_.refusal_of_way(*here, *asked.item, configuration_.plan);
     if (!asked.why.empty()) return mav::kDenied;
   }
   return missions_.set_current(*asked.item) ? mav::kAccepted : mav::kDenied;

@@ -72,9 +72,9 @@ constexpr std::uint32_t kModePropertyNotUserSelectable = 2, kModePropertyAuto = 
 
 constexpr std::uint32_t kSensorGyro = 1, kSensorAccel = 2, kSensorMag = 4, kSensorGps = 32,
                         kSensorPositionControl = 0x4000, kSensorMotors = 0x8000,
-                        kSensorGeofence = 0x100000, kSensorAhrs = 0x200000,
-                        kSensorBattery = 0x2000000, kSensorPrearm = 0x10000000,
-                        kSensorPropulsion = 0x40000000;
+                        kSensorRcReceiver = 0x10000, kSensorGeofence = 0x100000,
+                        kSensorAhrs = 0x200000, kSensorBattery = 0x2000000,
+                        kSensorPrearm = 0x10000000, kSensorPropulsion = 0x40000000;
 
 constexpr std::uint8_t kSeverityCritical = 2, kSeverityError = 3, kSeverityWarning = 4,
                        kSeverityInfo = 6;

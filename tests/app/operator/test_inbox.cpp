@@ -130,8 +130,13 @@ TEST_CASE("a stop makes void what was kept before it, and leaves what is behind 
   for (std::size_t i = 0; i < 4; ++i) CHECK(id_of(left[i]) == 5 + i);
 }
 
-/// Disarms and terminations, in either form.
+PendingRequest hold() {
+  return pending(link::CommandLong{mav::kCmdDoSetMode, {1, 4, 0, 0, 0, 0, 0}, {1, 1}, 0});
+}
+
+/// Disarms, terminations and HOLD, in either form.
 PendingRequest stop(std::size_t any) {
+  if (any / 4 % 3 == 0) return hold();
   const bool terminate = any % 2 == 0;
   const std::uint16_t id = terminate ? mav::kCmdDoFlightTermination : mav::kCmdComponentArmDisarm;
   const float first = terminate ? 1 : 0;
@@ -220,6 +225,26 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
             return c && is_disarm(*c);
           }) == 1);
   }
+}
+
+TEST_CASE("HOLD takes no place from a disarm, and from another request only if it is obeyed") {
+  Inbox inbox;
+  link::Counters counters;
+  for (std::size_t i = 0; i < kHolds; ++i) inbox.push(command(7), counters);
+  PendingRequest strangers = hold();
+  strangers.may_command = false;
+  CHECK_FALSE(stops(strangers));
+  inbox.push(strangers, counters);
+  inbox.push(command(mav::kCmdComponentArmDisarm, 0), counters);
+  for (std::size_t i = 0; i < 2 * kHolds; ++i) inbox.push(hold(), counters);
+  auto kept = all(inbox);
+  REQUIRE(kept.size() == kHolds);
+  CHECK(id_of(kept[0]) == mav::kCmdComponentArmDisarm);
+  CHECK(std::ranges::all_of(kept, stops));
+  for (std::size_t i = 0; i < 2 * kHolds; ++i) inbox.push(stop(6), counters);
+  inbox.push(hold(), counters);
+  kept = all(inbox);
+  CHECK(std::ranges::all_of(kept, ends));
 }
 
 TEST_CASE("of many stops the last one has the last word, however full the inbox was") {

@@ -38,6 +38,25 @@ TEST_CASE("a transmitter at rest has no sticks and asks for nothing") {
   }
 }
 
+TEST_CASE("a receiver is lost while its unit calls it enabled but not healthy") {
+  constexpr std::uint32_t kBit = link::mav::kSensorRcReceiver;
+  RcInput rc;
+  CHECK_FALSE(rc.is_lost());
+  const auto lost = [&rc](std::uint32_t present, std::uint32_t enabled, std::uint32_t health) {
+    link::SysStatus status{};
+    status.sensors_present = present;
+    status.sensors_enabled = enabled;
+    status.sensors_health = health;
+    rc.judge(status);
+    return rc.is_lost();
+  };
+  CHECK_FALSE(lost(~0U, ~0U, ~0U));
+  CHECK_FALSE(lost(~0U, ~0U, kBit));
+  CHECK(lost(~0U, kBit, ~kBit));
+  CHECK(lost(0, 0, 0));
+  CHECK_FALSE(lost(kBit, ~kBit, 0));
+}
+
 TEST_CASE("the switch asks for MANUAL where the boat can go there, as long as it is on") {
   for (const State state : {State::kHold, State::kFormation, State::kCoast}) {
     Transmitter t;
