@@ -111,7 +111,8 @@ def _is_placed(vessel: dict[str, Any]) -> bool:
 
 def newest_epoch(station: Station) -> int:
     """The newest table's that a boat has; 0: nobody has one."""
-    return max((beacon.epoch for _, beacon in station.beacons.values()), default=0)
+    told = (station.last_beacon(boat) for boat in station.boats())
+    return max((beacon.epoch for beacon in told if beacon is not None), default=0)
 
 
 def star(boats: Sequence[int], places: Sequence[Place], lengths_m: Sequence[float]) -> list[Member]:

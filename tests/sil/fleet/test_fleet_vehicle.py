@@ -15,7 +15,7 @@ from sil.fleet.vehicle_commands import wish_of
 from sil.wire.fleet_table import Member, table_message
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER
 from sil.wire.signing import Signer
-from tests.sil.fleet.waters import BOATS, Waters
+from tests.sil.fleet.waters import BOATS, Waters, beacon_message, heard
 
 FLEET = 250
 ARM, MODE, GO = 400, 176, 192
@@ -185,6 +185,15 @@ def test_a_boat_that_does_not_obey_is_named(served: Served) -> None:
     assert served.ground.answers(MODE) == [IN_PROGRESS, FAILED]
     assert "boat 3: no answer" in served.ground.texts()
     assert served.ground.of("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_CRITICAL
+
+
+def test_a_beacon_of_nobody_leaves_the_fleet_as_it_is(served: Served) -> None:
+    heard(served.waters, beacon_message(77, 1, 5))
+    served.ground.mode(FORMATION)
+    served.run(15.0)
+    assert served.ground.answers(MODE) == [IN_PROGRESS, ACCEPTED]
+    assert served.ground.of("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_ACTIVE
+    assert "77" not in served.ground.texts()
 
 
 def test_a_command_that_is_repeated_is_carried_out_once(served: Served) -> None:
