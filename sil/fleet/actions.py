@@ -140,6 +140,8 @@ def _form(station: Station, wish: Wish, boats: Sequence[int], console: Console) 
     console.print(f"[bold]{made.words}", soft_wrap=True)
     for boat, (ahead_m, starboard_m) in zip(boats, made.places, strict=False):
         console.print(f"  boat {boat}: {_place(ahead_m, starboard_m, turning=wish.turning)}")
+    for warning in made.warnings:
+        console.print(f"[bold yellow]{warning}", soft_wrap=True)
     for boat, why in made.missing.items():
         console.print(f"[bold red]boat {boat}: {why}", soft_wrap=True)
     return 1 if made.missing else 0

@@ -4,7 +4,7 @@
 import difflib
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any, get_args
@@ -15,6 +15,7 @@ from sil.scenario.formation import Formation, Place, Shape, slots
 from sil.wire.fleet_table import MOST_MEMBERS, Member, table_message
 
 LAST_EPOCH = 65535
+_FAR_ABOVE = 1000  # epochs; each table takes one
 _FARTHEST_M = 327.0  # the wire has places in cm, in 16 bits
 _APART_M = 10.0  # in a table that stops boats whose places are unknown
 
@@ -109,10 +110,36 @@ def _is_placed(vessel: dict[str, Any]) -> bool:
     return vessel["x_m"] is not None and vessel["place_age_s"] < STALE_S
 
 
-def newest_epoch(station: Station) -> int:
-    """The newest table's that a boat has; 0: nobody has one."""
-    told = (station.last_beacon(boat) for boat in station.boats())
-    return max((beacon.epoch for beacon in told if beacon is not None), default=0)
+def told_epochs(station: Station, boats: Iterable[int]) -> dict[int, int]:
+    """The newest table's epoch that each of the boats tells; nothing of who has no table."""
+    told = {boat: station.last_beacon(boat) for boat in boats}
+    return {boat: beacon.epoch for boat, beacon in told.items() if beacon and beacon.epoch}
+
+
+def doubtful_epochs(told: Mapping[int, int]) -> dict[int, int]:
+    """Those that one boat alone tells, far above all others': nobody can hold such a table."""
+    doubtful: dict[int, int] = {}
+    by_epoch = sorted(told, key=lambda boat: told[boat])
+    while len(by_epoch) > 1 and told[by_epoch[-1]] - told[by_epoch[-2]] > _FAR_ABOVE:
+        boat = by_epoch.pop()
+        doubtful[boat] = told[boat]
+    return doubtful
+
+
+def newest_epoch(told: Mapping[int, int]) -> int:
+    """The greatest epoch that is not doubtful; 0: nobody has a table."""
+    doubtful = doubtful_epochs(told)
+    return max((epoch for boat, epoch in told.items() if boat not in doubtful), default=0)
+
+
+def warnings_of(told: Mapping[int, int]) -> list[str]:
+    """Names each boat whose epoch is doubtful."""
+    most = newest_epoch(told)
+    return [
+        f"boat {boat} alone tells of table {epoch}, the others of {most} at most: not counted; "
+        f"restart boat {boat} if it goes on"
+        for boat, epoch in sorted(doubtful_epochs(told).items())
+    ]
 
 
 def star(boats: Sequence[int], places: Sequence[Place], lengths_m: Sequence[float]) -> list[Member]:
@@ -138,7 +165,7 @@ class StopTable:
 
     def send(self, boats: Sequence[int]) -> None:
         """Send it; with a greater epoch where boats, or another table, have come up."""
-        newest = newest_epoch(self._station)
+        newest = newest_epoch(told_epochs(self._station, boats))
         if newest == 0 or not boats:
             return
         if newest > self._epoch or set(boats) - set(self._boats):

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: MIT
+"""Which epochs count for a new table, and which boats a stop's table reaches."""
+
+from collections.abc import Sequence
+
+import pytest
+
+from sil.fleet.ends import End
+from sil.fleet.tables import doubtful_epochs, newest_epoch
+from sil.wire.fleet_table import Member, table_message
+from tests.sil.fleet.waters import BOATS, Waters, beacon_message, heard
+
+
+@pytest.fixture
+def waters() -> Waters:
+    """Boats with table 1, in shape."""
+    waters = Waters(boat_loss=0.0)
+    assert waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)[0] == 0
+    waters.wait((), 10.0)
+    return waters
+
+
+def form_after(waters: Waters, frame: bytes) -> tuple[int, str]:
+    """`form`, which hears this frame first."""
+    return waters.command(strange=[frame], action="form", shape="line", spacing_m=4.0, boats=BOATS)
+
+
+def test_a_strangers_beacon_takes_no_epoch(waters: Waters) -> None:
+    status, words = form_after(waters, beacon_message(77, 65534, 1))
+    assert status == 0 and words.startswith("table 2 is in force with 4 of 4 boats")
+
+
+def test_an_epoch_that_one_boat_alone_tells_is_named_and_does_not_count() -> None:
+    told = {1: 3, 2: 65534, 3: 3, 4: 2}
+    assert doubtful_epochs(told) == {2: 65534}
+    assert newest_epoch(told) == 3
+
+
+@pytest.mark.parametrize(
+    ("told", "newest"),
+    [
+        ({1: 60000, 2: 60000, 3: 59999}, 60000),
+        ({1: 60000, 2: 60000, 3: 2}, 60000),  # one of them comes from another fleet
+        ({1: 60000}, 60000),
+        ({1: 12, 2: 3}, 12),  # it has missed some tables
+        ({}, 0),
+    ],
+)
+def test_a_high_epoch_that_boats_really_hold_counts(told: dict[int, int], newest: int) -> None:
+    assert newest_epoch(told) == newest
+    assert not doubtful_epochs(told)
+
+
+def test_a_fleet_with_a_high_epoch_is_formed_and_stopped(waters: Waters) -> None:
+    members = [Member(1, 0, (0.0, 0.0), 1.3)]
+    members += [Member(boat, 1, (-4.0 * boat, 0.0), 1.3) for boat in BOATS[1:]]
+    table = table_message(60000, members)
+    for boat in BOATS:
+        waters.batch.fleet.hear(waters.agent(boat), table, waters.t_us)
+    waters.wait((), 5.0)
+    status, words = waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)
+    assert status == 0 and words.startswith("table 60001 is in force with 4 of 4 boats")
+    waters.deaf = {4}
+    waters.command(action="stop", boats=BOATS)
+    assert waters.states == ["DISARMED"] * 3 + ["HOLD"]
+
+
+def test_a_boat_that_alone_tells_a_high_epoch_is_named(waters: Waters) -> None:
+    wait = waters.wait
+
+    def flooded(ends: Sequence[End], for_s: float) -> Sequence[End]:
+        told = wait(ends, for_s)
+        heard(waters, beacon_message(2, 65534, 1))
+        return told
+
+    waters.wait = flooded  # type: ignore[method-assign]
+    status, words = waters.command(action="form", shape="line", spacing_m=4.0, boats=BOATS)
+    assert status == 1 and "table 2 is in force with 3 of 4 boats" in words
+    assert "boat 2 alone tells of table 65534, the others of 1 at most: not counted" in words
