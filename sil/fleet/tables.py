@@ -12,7 +12,7 @@ from typing import Any, get_args
 from sil.fleet.lead import root
 from sil.fleet.station import STALE_S, Station
 from sil.scenario.formation import Formation, Place, Shape, slots
-from sil.wire.fleet_table import MOST_MEMBERS, Member, table_message
+from sil.wire.fleet_table import MOST_MEMBERS, Member, digest_of, table_message
 
 LAST_EPOCH = 65535
 _FAR_ABOVE = 1000  # epochs; each table takes one
@@ -163,18 +163,34 @@ class StopTable:
         self._boats: list[int] = []
         self._members: list[Member] = []
 
-    def send(self, boats: Sequence[int]) -> None:
-        """Send it; with a greater epoch where boats, or another table, have come up."""
-        newest = newest_epoch(told_epochs(self._station, boats))
+    def send(self, boats: Sequence[int], trusted: Sequence[int]) -> None:
+        """Send it; with a greater epoch where boats, or another table, have come up.
+
+        Of two tables with one epoch the greater digest wins: another one may outdo this one.
+        `trusted`: boats whose epochs count even if they are doubtful.
+        """
+        told = told_epochs(self._station, boats)
+        newest = max(newest_epoch(told), *(told.get(boat, 0) for boat in trusted), 0)
         if newest == 0 or not boats:
             return
-        if newest > self._epoch or set(boats) - set(self._boats):
+        if newest > self._epoch or self._has_rival(boats) or set(boats) - set(self._boats):
             top = root(self._station)
             self._boats = sorted(boats, key=lambda boat: (boat != top, boat))[:MOST_MEMBERS]
             self._epoch = min(max(newest, self._epoch) + 1, LAST_EPOCH)
             lengths_m = [0.0] * len(self._boats)
             self._members = star(self._boats, self._places(self._boats), lengths_m)
-        self._station.send(table_message(self._epoch, self._members, stop=True))
+        self._station.send(self._frame())
+
+    def _frame(self) -> bytes:
+        return table_message(self._epoch, self._members, stop=True)
+
+    def _has_rival(self, boats: Sequence[int]) -> bool:
+        """Whether a boat tells another table with the same epoch."""
+        if not self._members:
+            return False
+        told = [beacon for boat in boats if (beacon := self._station.last_beacon(boat))]
+        ours = digest_of(self._frame())
+        return any(beacon.epoch == self._epoch and beacon.digest != ours for beacon in told)
 
     def _places(self, boats: Sequence[int]) -> list[Place]:
         places = present_places(self._station, boats, turning=False)
