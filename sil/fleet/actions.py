@@ -168,7 +168,8 @@ def _report(station: Station, answers: Sequence[Answer], done: str, console: Con
         vessel = station.fleet.systems.get(answer.system)
         held = () if vessel is None else vessel.held()
         why = tell(answer, held, answer.system in station.signs)
-        if answer.result is None and not station.is_heard(answer.system):
+        silent = answer.result is None and not station.is_heard(answer.system)
+        if silent and not answer.only_listed:
             why += ", and it is not heard"
         console.print(f"[bold red]boat {answer.system}: {why}", soft_wrap=True)
     return 0 if len(good) == len(answers) else 1

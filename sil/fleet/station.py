@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.fleet.ends import Clock, End, Peer, RealTime
+from sil.fleet.heard_tables import HeardTable, HeardTables
 from sil.view.seen_fleet import Fleet
 from sil.wire import mavlink_messages as messages
 from sil.wire.fleet_table import Beacon, beacon_of
@@ -82,6 +83,7 @@ class Station:
         self._sequence = int(1000.0 * self._began_s)
         self._autopilots: dict[int, set[int]] = {}  # components that a boat's heartbeat came from
         self._beacons: dict[tuple[int, int], tuple[float, Beacon]] = {}
+        self._tables = HeardTables()
         self._routes: dict[int, dict[tuple[End, Peer], float]] = {}
         self._asked_s: dict[int, float] = {}
         self._beat_s = 0.0
@@ -139,6 +141,11 @@ class Station:
         for end in self._ends:
             end.close()
 
+    def table(self) -> HeardTable:
+        """The members of all tables that boats have handed on, within this station's hearing."""
+        known = self._autopilots.items()
+        return self._tables.of({(system, each) for system, all_ in known for each in all_})
+
     def _last_beacon(self, system: int) -> tuple[float, Beacon | None]:
         """With its time; only of a component that has sent a boat's heartbeat."""
         components = self._autopilots.get(system, set())
@@ -179,6 +186,7 @@ class Station:
             good = [frame for frame in said if self._signer.verifies(frame)]
             self.refused += len(said) - len(good)
             data = b"".join(good)
+        self._tables.hear(data)
         for message in self._ear.hear(data):
             if message.fields is not None and message.system != self.system:
                 now_s = self.now_s()

@@ -18,6 +18,9 @@ LAST_EPOCH = 65535
 _FAR_ABOVE = 1000  # epochs; each table takes one
 _FARTHEST_M = 327.0  # the wire has places in cm, in 16 bits
 _APART_M = 10.0  # in a table that stops boats whose places are unknown
+_GATHER_S = 1.5  # until all have sent a beacon: who is left out of a stop's table sails on
+_BURST = 3
+_PAUSE_S = 2.4  # boats hand no table on that they have heard in the last half second
 
 
 def shape_places(shape: str, boats: int, spacing_m: float | None) -> list[Place]:
@@ -154,7 +157,8 @@ class StopTable:
     """Stops the fleet's members, also those that no order reaches: boats hand a table on.
 
     Nothing is sent while no boat tells of a table. The places are where the boats are: who follows
-    again after a stop stays in about that shape.
+    again after a stop stays in about that shape. If one does not tell where it is, they are those
+    of the tables that boats have handed on.
     """
 
     def __init__(self, station: Station) -> None:
@@ -162,27 +166,38 @@ class StopTable:
         self._epoch = 0
         self._boats: list[int] = []
         self._members: list[Member] = []
+        self._turns = False
+        self._count = 0
+        self._sent_s = 0.0
 
     def send(self, boats: Sequence[int], trusted: Sequence[int]) -> None:
         """Send it; with a greater epoch where boats, or another table, have come up.
 
+        After three times it leaves the boats the time to hand it on.
         Of two tables with one epoch the greater digest wins: another one may outdo this one.
         `trusted`: boats whose epochs count even if they are doubtful.
         """
         told = told_epochs(self._station, boats)
         newest = max(newest_epoch(told), *(told.get(boat, 0) for boat in trusted), 0)
-        if newest == 0 or not boats:
+        now_s = self._station.now_s()
+        if newest == 0 or not boats or now_s < _GATHER_S:
             return
-        if newest > self._epoch or self._has_rival(boats) or set(boats) - set(self._boats):
-            top = root(self._station)
-            self._boats = sorted(boats, key=lambda boat: (boat != top, boat))[:MOST_MEMBERS]
+        top, heard = root(self._station), self._station.boats()
+        ranked = sorted(boats, key=lambda boat: (boat != top, boat not in heard, boat))
+        listed = ranked[:MOST_MEMBERS]
+        if newest > self._epoch or self._has_rival(boats) or set(listed) - set(self._boats):
+            self._boats = listed
             self._epoch = min(max(newest, self._epoch) + 1, LAST_EPOCH)
-            lengths_m = [0.0] * len(self._boats)
-            self._members = star(self._boats, self._places(self._boats), lengths_m)
-        self._station.send(self._frame())
+            places, self._turns = self._places(self._boats)
+            self._members = star(self._boats, places, [0.0] * len(self._boats))
+            self._count = 0
+        if self._count < _BURST or now_s - self._sent_s >= _PAUSE_S:
+            self._count += 1
+            self._sent_s = now_s
+            self._station.send(self._frame())
 
     def _frame(self) -> bytes:
-        return table_message(self._epoch, self._members, stop=True)
+        return table_message(self._epoch, self._members, turns=self._turns, stop=True)
 
     def _has_rival(self, boats: Sequence[int]) -> bool:
         """Whether a boat tells another table with the same epoch."""
@@ -192,9 +207,23 @@ class StopTable:
         ours = digest_of(self._frame())
         return any(beacon.epoch == self._epoch and beacon.digest != ours for beacon in told)
 
-    def _places(self, boats: Sequence[int]) -> list[Place]:
+    def _places(self, boats: Sequence[int]) -> tuple[list[Place], bool]:
+        """With whether they turn with the leader."""
         places = present_places(self._station, boats, turning=False)
-        apart = places and all(math.dist(*pair) > 0.02 for pair in combinations(places, 2))
-        if places and apart and max(max(map(abs, place)) for place in places) < _FARTHEST_M:
-            return places
-        return [(-_APART_M * i, 0.0) for i in range(len(boats))]
+        if places is not None and _can_be_told(places):
+            return places, False
+        table = self._station.table()
+        places = []
+        astern_m = min((table.places[boat][0] for boat in boats if boat in table.places), default=0)
+        for boat in boats:
+            places.append(table.places.get(boat, (astern_m - _APART_M, 0.0)))
+            astern_m -= 0.0 if boat in table.places else _APART_M
+        places = [(x - places[0][0], y - places[0][1]) for x, y in places]
+        if _can_be_told(places):
+            return places, table.turns
+        return [(-_APART_M * i, 0.0) for i in range(len(boats))], False
+
+
+def _can_be_told(places: Sequence[Place]) -> bool:
+    apart = all(math.dist(*pair) > 0.02 for pair in combinations(places, 2))
+    return apart and max(max(map(abs, place)) for place in places) < _FARTHEST_M

@@ -110,3 +110,23 @@ def rival(epoch: int, digest: int) -> bytes:
         if digest_of(frame) > digest:
             return frame
     raise AssertionError(digest)
+
+
+def test_a_boat_that_only_a_table_tells_of_is_stopped_and_named(waters: Waters) -> None:
+    members = [Member(1, 0, (0.0, 0.0), 1.3)]
+    members += [Member(boat, 1, (-4.0 * boat, 0.0), 1.3) for boat in BOATS[1:]]
+    waters.deaf = {4}
+    table = table_message(1, members, sender=(2, 1))
+    status, words = waters.command(strange=[table], action="stop")
+    assert waters.states == ["DISARMED"] * 3 + ["HOLD"]
+    assert (status, words.splitlines()) == (
+        1,
+        ["3 of 4 stopped and disarmed", "boat 4: not heard, told only by the table"],
+    )
+
+
+def test_a_strangers_table_adds_nobody(waters: Waters) -> None:
+    members = [Member(1, 0, (0.0, 0.0), 1.3), Member(9, 1, (-4.0, 0.0), 1.3)]
+    station = waters.station()
+    heard(waters, table_message(1, members, sender=(77, 1)))
+    assert [answer.system for answer in stop(station, ())] == list(BOATS)
