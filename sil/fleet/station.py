@@ -52,7 +52,8 @@ class Station:
     """One station at `ends`, with system id `system`; with a `signer`, it hears its key only.
 
     `fleet`: the vessels heard. `signs`: system ids of those that sign, where the station has no
-    key. `parameters`: by system id and name. `refused`: number of messages
+    key. `parameters`: by system id and name. `aliases`: more system ids of this program, whose
+    messages are ignored; `echoed`: the numbers of such messages. `refused`: number of messages
     without a good signature. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
     `meanwhile` is called at least 20 times a second while it listens.
     """
@@ -71,6 +72,8 @@ class Station:
         self.texts: list[Text] = []
         self.signs: set[int] = set()
         self.refused = 0
+        self.aliases: set[int] = set()
+        self.echoed: set[int] = set()
         self.kind: int = mavlink.MAV_TYPE_ONBOARD_CONTROLLER
         self.meanwhile: Callable[[], None] = lambda: None
         self._ends = list(ends)
@@ -188,7 +191,9 @@ class Station:
             data = b"".join(good)
         self._tables.hear(data)
         for message in self._ear.hear(data):
-            if message.fields is not None and message.system != self.system:
+            if message.fields is not None and message.system in self.aliases:
+                self.echoed.add(message.number)
+            elif message.fields is not None and message.system != self.system:
                 now_s = self.now_s()
                 self._routes.setdefault(message.system, {})[end, peer] = now_s
                 self._take(message, now_s)

@@ -269,6 +269,24 @@ def test_it_takes_no_boats_id() -> None:
         vehicle.serve(3.0)
 
 
+def test_its_own_heartbeat_that_comes_back_is_told_once_and_ignored(served: Served) -> None:
+    for _ in range(3):
+        heard(served.waters, served.ground.frames[0])
+        served.run(2.0)
+    assert served.ground.texts().count("messages with system id 250 among the boats") == 1
+    assert served.station.boats() == list(BOATS)
+    served.ground.command(ARM, 0.0)
+    served.run(4.0)
+    assert served.ground.answers(ARM) == [IN_PROGRESS, ACCEPTED]
+
+
+def test_a_strangers_message_with_its_id_does_not_end_it(served: Served) -> None:
+    served.run(3.0)
+    heard(served.waters, beacon_message(FLEET, 1, 5))
+    served.run(3.0)
+    assert "messages with system id 250 among the boats are ignored" in served.ground.texts()
+
+
 def test_garbage_is_ignored(served: Served) -> None:
     served.ground._sent.append((None, b"\xfd\x09" + bytes(range(256)) * 3))
     served.ground.mode(LOITER)
