@@ -12,6 +12,7 @@ from sil.fleet.lead import leading_boat, root
 from sil.fleet.orders import DISCOVERY_S, Answer, Order, carry_out, go_to, long, stop, tell
 from sil.fleet.shape_change import change
 from sil.fleet.station import STALE_S, Station
+from sil.fleet.tables import told_epochs, warnings_of
 from sil.wire.geodesy import LocalFrame
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER, RTL
 from sil.wire.operator import ARM, DISARM, mode_request
@@ -76,6 +77,9 @@ def _stop(station: Station, wish: Wish, console: Console) -> int:
     if not answers:
         console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
         return 1
+    told = told_epochs(station, [answer.system for answer in answers])
+    for warning in warnings_of(told):
+        console.print(f"[bold yellow]{warning}", soft_wrap=True)
     return _report(station, answers, "stopped and disarmed", console)
 
 

@@ -79,6 +79,8 @@ def test_a_boat_that_alone_tells_a_high_epoch_is_named(waters: Waters) -> None:
     status, words = waters.command(action="form", shape="line", spacing_m=4.0, boats=BOATS)
     assert status == 1 and "table 2 is in force with 3 of 4 boats" in words
     assert "boat 2 alone tells of table 65534, the others of 1 at most: not counted" in words
+    status, words = waters.command(action="stop")
+    assert status == 0 and "boat 2 alone tells of table 65534" in words
 
 
 def test_a_stop_wins_over_a_shape_of_the_same_epoch(waters: Waters) -> None:
