@@ -12,6 +12,7 @@ from sil.fleet.lead import leading_boat, root
 from sil.fleet.orders import DISCOVERY_S, Answer, Order, carry_out, go_to, long, stop, tell
 from sil.fleet.shape_change import change
 from sil.fleet.station import STALE_S, Station
+from sil.fleet.tables import told_epochs, warnings_of
 from sil.wire.geodesy import LocalFrame
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER, RTL
 from sil.wire.operator import ARM, DISARM, mode_request
@@ -76,6 +77,9 @@ def _stop(station: Station, wish: Wish, console: Console) -> int:
     if not answers:
         console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
         return 1
+    told = told_epochs(station, [answer.system for answer in answers])
+    for warning in warnings_of(told):
+        console.print(f"[bold yellow]{warning}", soft_wrap=True)
     return _report(station, answers, "stopped and disarmed", console)
 
 
@@ -140,6 +144,8 @@ def _form(station: Station, wish: Wish, boats: Sequence[int], console: Console) 
     console.print(f"[bold]{made.words}", soft_wrap=True)
     for boat, (ahead_m, starboard_m) in zip(boats, made.places, strict=False):
         console.print(f"  boat {boat}: {_place(ahead_m, starboard_m, turning=wish.turning)}")
+    for warning in made.warnings:
+        console.print(f"[bold yellow]{warning}", soft_wrap=True)
     for boat, why in made.missing.items():
         console.print(f"[bold red]boat {boat}: {why}", soft_wrap=True)
     return 1 if made.missing else 0
@@ -166,7 +172,8 @@ def _report(station: Station, answers: Sequence[Answer], done: str, console: Con
         vessel = station.fleet.systems.get(answer.system)
         held = () if vessel is None else vessel.held()
         why = tell(answer, held, answer.system in station.signs)
-        if answer.result is None and not station.is_heard(answer.system):
+        silent = answer.result is None and not station.is_heard(answer.system)
+        if silent and not answer.only_listed:
             why += ", and it is not heard"
         console.print(f"[bold red]boat {answer.system}: {why}", soft_wrap=True)
     return 0 if len(good) == len(answers) else 1

@@ -22,6 +22,7 @@ from sil.fleet.lead import root
 from sil.fleet.orders import DISCOVERY_S
 from sil.fleet.station import Station
 from sil.fleet.vehicle_commands import KNOWN, wish_of
+from sil.wire import mavlink_messages as messages
 from sil.wire.heartbeat import AUTO, FORMATION, GUIDED, HOLD, LOITER, MANUAL, RTL
 from sil.wire.mavlink_frames import frames
 from sil.wire.signing import Signer
@@ -46,6 +47,14 @@ _NUMBERS = {
 _OF_LEADER = ("auto", "loiter", "return", "go")
 _STOPS = {"stop": 2, "hold": 1}  # the greater one cancels the others
 _UNKNOWN_HEADING = 65535
+_SAID = {  # by this vehicle: a router may send these back
+    messages.HEARTBEAT,
+    messages.PARAM_VALUE,
+    messages.GLOBAL_POSITION_INT,
+    messages.MISSION_COUNT,
+    messages.COMMAND_ACK,
+    messages.STATUSTEXT,
+}
 _CANCELLED = 6  # MAV_RESULT_CANCELLED, which pymavlink lacks
 
 
@@ -95,12 +104,15 @@ class FleetVehicle:
         self._station_s = -_STATION_SILENT_S
         self._verdict = ""
         self._chunked = 0
+        self._has_warned = False
+        station.aliases.add(system)
         station.meanwhile = self._attend
 
     def serve(self, for_s: float) -> None:
         """Act as this vehicle for `for_s` seconds.
 
-        OSError if an end has ended; ValueError if a boat has the vehicle's id.
+        OSError if an end has ended; ValueError if a boat has the vehicle's id when the station
+        begins. Later, and for echoes, there is a warning, and such messages are ignored.
         """
         end_s = self._station.now_s() + for_s
         while (left_s := end_s - self._station.now_s()) > 0.0:
@@ -156,8 +168,7 @@ class FleetVehicle:
         self._station.kind = mavlink.MAV_TYPE_GCS if hears else mavlink.MAV_TYPE_ONBOARD_CONTROLLER
         if now_s >= self._beat_s:
             self._beat_s = now_s + _BEAT_S
-            if (own := self._mav.srcSystem) in self._station.fleet.systems:
-                raise ValueError(f"system id {own} is taken by a vessel: give the fleet another")
+            self._look_at_echoes(now_s)
             self._say(self._heartbeat())
         if now_s >= self._position_s:
             self._position_s = now_s + _POSITION_S
@@ -172,6 +183,16 @@ class FleetVehicle:
         first, now = self._asked[0] if self._asked else None, self._carried_out
         if first and now and _rank(first) > _rank(now):
             raise SupersededError
+
+    def _look_at_echoes(self, now_s: float) -> None:
+        """Whoever uses the vehicle's id among the boats is an echo, a stranger, or a boat."""
+        own, echoed = self._mav.srcSystem, self._station.echoed
+        if now_s < DISCOVERY_S and echoed - _SAID:
+            raise ValueError(f"system id {own} is taken by a vessel: give the fleet another")
+        if echoed and not self._has_warned:
+            self._has_warned = True
+            which = f"messages with system id {own} among the boats are ignored"
+            self._text(f"{which}: if a boat has it, give the fleet another", warns=True)
 
     def _take(self, message: mavlink.MAVLink_message) -> None:
         kind, own = message.get_type(), self._mav.srcSystem

@@ -30,11 +30,15 @@ Order = Callable[[int, int], mavlink.MAVLink_message]
 
 
 class Answer(NamedTuple):
-    """A boat's answer: its result and its texts; without a result, it did not answer."""
+    """A boat's answer: its result and its texts; without a result, it did not answer.
+
+    `only_listed`: the station has not heard the boat; a table that another boat passed on lists it.
+    """
 
     system: int
     result: int | None
     said: tuple[str, ...]
+    only_listed: bool = False
 
     @property
     def accepted(self) -> bool:
@@ -103,7 +107,8 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
     """Disarm every boat that is heard and every boat named, each directly and by every link.
 
     Begins when the first boat is heard, and waits 2.5 s for others. If boats report a fleet's
-    table, also sends a table that stops all of its members; boats pass it on.
+    table, also sends a table that stops all of its members; boats pass it on. It also lists, and
+    orders to stop, the members of every table that boats have passed on.
     """
     since_s, heard = station.now_s(), len(station.acks)
     order, table = long(DISARM), StopTable(station)
@@ -111,7 +116,7 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
     count = 0
 
     def everyone() -> list[int]:
-        return sorted({*named, *station.boats()})
+        return sorted({*named, *station.boats(), *_only_listed(station)})
 
     def open_ones() -> list[int]:
         for ack in station.acks[heard:]:
@@ -126,13 +131,23 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
         known = everyone()
         for system in leader_last(station, open_ones()):
             station.say(order(system, count))
-        table.send(everyone())
+        # Who has not answered by now may really hold a table whose epoch nobody else tells.
+        late = station.now_s() - since_s >= DISCOVERY_S
+        table.send(everyone(), open_ones() if late else ())
         count += 1
         station.run(_STOP_RETRY_S, lambda known=known: everyone() != known or is_over())  # type: ignore[misc]
+    unheard = _only_listed(station) - {*named}
     return [
-        Answer(system, results.get(system), _said(station, system, since_s))
+        Answer(system, results.get(system), _said(station, system, since_s), system in unheard)
         for system in everyone()
     ]
+
+
+def _only_listed(station: Station) -> set[int]:
+    """Members of the heard tables that are not heard themselves, as a boat or another vessel."""
+    vessels = station.fleet.systems.items()
+    others = {system for system, vessel in vessels if vessel.kind is not None}
+    return station.table().places.keys() - others - {*station.boats(), station.system}
 
 
 def leader_last(station: Station, systems: Iterable[int]) -> list[int]:
@@ -146,6 +161,8 @@ def tell(answer: Answer, held: Iterable[str], signs: bool) -> str:
 
     `held`: what keeps it from sailing; `signs`: it signs, and the station has no key.
     """
+    if answer.only_listed:
+        return "not heard, told only by the table"
     if answer.result is None:
         remedy = ": it signs its messages, give --key FILE" if signs else ""
         return f"no answer{remedy}"

@@ -18,6 +18,8 @@ from sil.fleet.tables import (
     present_places,
     shape_places,
     star,
+    told_epochs,
+    warnings_of,
 )
 from sil.scenario.formation import Place
 from sil.wire.fleet_table import digest_of, table_message
@@ -33,7 +35,7 @@ _ASKED = ("BOAT_LEN", "FS_SEP_M")
 
 
 class Change(NamedTuple):
-    """The result: a text; each boat's place; each refusing boat's reason, by system id.
+    """The result: a text; each boat's place; each refusing boat's reason, by system id; warnings.
 
     There are no places if the boats choose them among themselves.
     """
@@ -41,6 +43,7 @@ class Change(NamedTuple):
     words: str
     places: list[Place]
     missing: dict[int, str]
+    warnings: list[str]
 
 
 def change(
@@ -62,7 +65,8 @@ def change(
         least_m, why = _GUARD_LENGTHS * longest_m, f"{_GUARD_LENGTHS:g} hull lengths"
     check(places, boats, least_m, why)
     station.run(_BEACONS_S, lambda: all(station.beacon(boat) for boat in boats))
-    epoch = newest_epoch(station) + 1
+    told = told_epochs(station, boats)
+    epoch = newest_epoch(told) + 1
     if epoch > LAST_EPOCH:
         raise ValueError(f"epoch {LAST_EPOCH} is the last one: restart all boats at once")
     # A boat with a table knows the others' places in it. Then the boats assign the new places
@@ -84,13 +88,13 @@ def change(
     sent = digest_of(frame())
 
     def missing() -> list[int]:
-        told = {boat: station.beacon(boat) for boat in boats}
-        ours = [beacon.digest for beacon in told.values() if beacon and beacon.epoch == epoch]
+        now = {boat: station.beacon(boat) for boat in boats}
+        ours = [beacon.digest for beacon in now.values() if beacon and beacon.epoch == epoch]
         # boats that assigned the places differently agree on the greater digest
         digest = max(ours, default=0) if under_way else sent
         return [
             boat
-            for boat, beacon in told.items()
+            for boat, beacon in now.items()
             if beacon is None or (beacon.epoch, beacon.digest) != (epoch, digest)
         ]
 
@@ -117,7 +121,9 @@ def change(
     stopped = {
         boat: f"{text}; flotilla fleet follow --boats {boat}" for boat, text in stops.items()
     }
-    return Change(words, [] if under_way else places, {**stopped, **missing_ones})
+    return Change(
+        words, [] if under_way else places, {**stopped, **missing_ones}, warnings_of(told)
+    )
 
 
 def _stops(text: Text, boats: Sequence[int], since_s: float) -> bool:

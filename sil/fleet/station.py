@@ -6,14 +6,16 @@ rely on a command that ends after a few seconds.
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.fleet.ends import Clock, End, Peer, RealTime
+from sil.fleet.heard_tables import HeardTable, HeardTables
 from sil.view.seen_fleet import Fleet
 from sil.wire import mavlink_messages as messages
 from sil.wire.fleet_table import Beacon, beacon_of
+from sil.wire.heartbeat import AUTO, FORMATION, GUIDED, HOLD, LOITER, MANUAL, RTL
 from sil.wire.mavlink_ear import Ear, Message
 from sil.wire.mavlink_frames import frames
 from sil.wire.signing import Signer, is_signed, numbered
@@ -24,7 +26,9 @@ STALE_S = 5.0
 _BEAT_S, _SLICE_S = 1.0, 0.05
 _ROUTE_S = 10.0
 _ASK_S = 0.3
-_AUTOPILOTS = (mavlink.MAV_COMP_ID_AUTOPILOT1, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER)
+_COMPANION: int = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
+_AUTOPILOTS = (mavlink.MAV_COMP_ID_AUTOPILOT1, _COMPANION)
+_MODES = (MANUAL, HOLD, LOITER, FORMATION, AUTO, RTL, GUIDED)
 _MOST_KEPT = 1000  # acknowledgements and texts; a command hears a few dozen
 
 
@@ -47,8 +51,9 @@ class Text(NamedTuple):
 class Station:
     """One station at `ends`, with system id `system`; with a `signer`, it accepts only its key.
 
-    `fleet`: the vessels heard. By system id: `beacons`, with their times; `signs`, those that sign,
-    where the station has no key. `parameters`: by system id and name. `refused`: number of messages
+    `fleet`: the vessels heard. `signs`: system ids of those that sign, where the station has no
+    key. `parameters`: by system id and name. `aliases`: more system ids of this program, whose
+    messages are ignored; `echoed`: the numbers of such messages. `refused`: number of messages
     without a good signature. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
     `meanwhile` is called at least 20 times a second while it listens.
     """
@@ -62,12 +67,13 @@ class Station:
     ) -> None:
         self.system = system
         self.fleet = Fleet(length_m=1.0)
-        self.beacons: dict[int, tuple[float, Beacon]] = {}
         self.parameters: dict[tuple[int, str], float] = {}
         self.acks: list[Ack] = []
         self.texts: list[Text] = []
         self.signs: set[int] = set()
         self.refused = 0
+        self.aliases: set[int] = set()
+        self.echoed: set[int] = set()
         self.kind: int = mavlink.MAV_TYPE_ONBOARD_CONTROLLER
         self.meanwhile: Callable[[], None] = lambda: None
         self._ends = list(ends)
@@ -79,6 +85,9 @@ class Station:
         # Boats take messages with equal numbers on two links for copies, so each command begins
         # with another number.
         self._sequence = int(1000.0 * self._began_s)
+        self._autopilots: dict[int, set[int]] = {}  # components that a boat's heartbeat came from
+        self._beacons: dict[tuple[int, int], tuple[float, Beacon]] = {}
+        self._tables = HeardTables()
         self._routes: dict[int, dict[tuple[End, Peer], float]] = {}
         self._asked_s: dict[int, float] = {}
         self._beat_s = 0.0
@@ -88,9 +97,8 @@ class Station:
         return self._clock.now_s() - self._began_s
 
     def boats(self) -> list[int]:
-        """System ids of all Flotilla boats heard so far."""
-        known = {system for system, each in self.fleet.systems.items() if each.kind == "boat"}
-        return sorted((known | self.beacons.keys()) - {self.system})
+        """System ids of the Flotilla boats: those whose autopilot's heartbeat was ever heard."""
+        return sorted(self._autopilots.keys())
 
     def is_heard(self, system: int) -> bool:
         """Whether a system is heard at present."""
@@ -99,8 +107,12 @@ class Station:
 
     def beacon(self, system: int) -> Beacon | None:
         """A boat's last beacon; None if it has sent none or it is old."""
-        at_s, beacon = self.beacons.get(system, (-STALE_S, None))
+        at_s, beacon = self._last_beacon(system)
         return beacon if self.now_s() - at_s < STALE_S else None
+
+    def last_beacon(self, system: int) -> Beacon | None:
+        """The same, however old it is."""
+        return self._last_beacon(system)[1]
 
     def say(self, message: mavlink.MAVLink_message, system: int | None = None) -> None:
         """Send a message on the links where a system was heard; None: on all links."""
@@ -132,6 +144,19 @@ class Station:
         """Close all ends."""
         for end in self._ends:
             end.close()
+
+    def table(self) -> HeardTable:
+        """The members of all tables that boats have handed on, within this station's hearing."""
+        known = self._autopilots.items()
+        return self._tables.of({(system, each) for system, all_ in known for each in all_})
+
+    def _last_beacon(self, system: int) -> tuple[float, Beacon | None]:
+        """With its time; only of a component that has sent a boat's heartbeat."""
+        components = self._autopilots.get(system, set())
+        told = [
+            self._beacons[key] for each in components if (key := (system, each)) in self._beacons
+        ]
+        return max(told, key=lambda one: one[0], default=(-STALE_S, None))
 
     def _listen(self, wait_s: float) -> None:
         if self.now_s() >= self._beat_s:
@@ -165,8 +190,11 @@ class Station:
             good = [frame for frame in said if self._signer.verifies(frame)]
             self.refused += len(said) - len(good)
             data = b"".join(good)
+        self._tables.hear(data)
         for message in self._ear.hear(data):
-            if message.fields is not None and message.system != self.system:
+            if message.fields is not None and message.system in self.aliases:
+                self.echoed.add(message.number)
+            elif message.fields is not None and message.system != self.system:
                 now_s = self.now_s()
                 self._routes.setdefault(message.system, {})[end, peer] = now_s
                 self._take(message, now_s)
@@ -177,8 +205,10 @@ class Station:
         self._identify(system, component, now_s)
         if not fields:
             return
-        if number == messages.FLEET_BEACON:
-            self.beacons[system] = now_s, beacon_of(fields)
+        if number == messages.HEARTBEAT:
+            self._look_at_heartbeat(system, component, fields)
+        elif number == messages.FLEET_BEACON:
+            self._beacons[system, component] = now_s, beacon_of(fields)
         elif number == messages.COMMAND_ACK:
             command, result, _, _, to_system, to_component = fields
             if (to_system, to_component) == (self.system, COMPONENT):
@@ -190,6 +220,14 @@ class Station:
             said = self.fleet.systems[system].texts
             if said.said_s == now_s and said.last:
                 self.texts = [*self.texts[-_MOST_KEPT:], Text(now_s, system, said.last)]
+
+    def _look_at_heartbeat(self, system: int, component: int, fields: tuple[Any, ...]) -> None:
+        """Note that a boat's autopilot speaks: beside another autopilot it says it is none."""
+        mode, _, autopilot = fields[:3]
+        is_none = autopilot == mavlink.MAV_AUTOPILOT_INVALID
+        is_boat = self.fleet.systems[system].kind == "boat" and mode in _MODES
+        if is_boat and (component == _COMPANION or not is_none):
+            self._autopilots.setdefault(system, set()).add(component)
 
     def _identify(self, system: int, component: int, now_s: float) -> None:
         """Request a HEARTBEAT of an unidentified system: it comes only once a second."""

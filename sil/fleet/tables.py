@@ -4,7 +4,7 @@
 import difflib
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any, get_args
@@ -12,11 +12,15 @@ from typing import Any, get_args
 from sil.fleet.lead import root
 from sil.fleet.station import STALE_S, Station
 from sil.scenario.formation import Formation, Place, Shape, slots
-from sil.wire.fleet_table import MOST_MEMBERS, Member, table_message
+from sil.wire.fleet_table import MOST_MEMBERS, Member, digest_of, table_message
 
 LAST_EPOCH = 65535
+_FAR_ABOVE = 1000  # epochs; each table takes one
 _FARTHEST_M = 327.0  # on the wire, places are in cm, in 16 bits
 _APART_M = 10.0  # spacing in a table that stops boats whose places are unknown
+_GATHER_S = 1.5  # until all boats have sent a beacon
+_BURST = 3
+_PAUSE_S = 2.4  # boats pass no table on that they have heard in the last half second
 
 
 def shape_places(shape: str, boats: int, spacing_m: float | None) -> list[Place]:
@@ -109,9 +113,36 @@ def _is_placed(vessel: dict[str, Any]) -> bool:
     return vessel["x_m"] is not None and vessel["place_age_s"] < STALE_S
 
 
-def newest_epoch(station: Station) -> int:
-    """The epoch of the newest table that a boat has; 0: no boat has one."""
-    return max((beacon.epoch for _, beacon in station.beacons.values()), default=0)
+def told_epochs(station: Station, boats: Iterable[int]) -> dict[int, int]:
+    """The epoch of the newest table of each of these boats; boats without a table are left out."""
+    told = {boat: station.last_beacon(boat) for boat in boats}
+    return {boat: beacon.epoch for boat, beacon in told.items() if beacon and beacon.epoch}
+
+
+def doubtful_epochs(told: Mapping[int, int]) -> dict[int, int]:
+    """The epochs that one boat alone reports, far above those of all others."""
+    doubtful: dict[int, int] = {}
+    by_epoch = sorted(told, key=lambda boat: told[boat])
+    while len(by_epoch) > 1 and told[by_epoch[-1]] - told[by_epoch[-2]] > _FAR_ABOVE:
+        boat = by_epoch.pop()
+        doubtful[boat] = told[boat]
+    return doubtful
+
+
+def newest_epoch(told: Mapping[int, int]) -> int:
+    """The greatest epoch that is not doubtful; 0: no boat has a table."""
+    doubtful = doubtful_epochs(told)
+    return max((epoch for boat, epoch in told.items() if boat not in doubtful), default=0)
+
+
+def warnings_of(told: Mapping[int, int]) -> list[str]:
+    """A sentence for each boat whose epoch is doubtful."""
+    most = newest_epoch(told)
+    return [
+        f"boat {boat} alone tells of table {epoch}, the others of {most} at most: not counted; "
+        f"restart boat {boat} if it goes on"
+        for boat, epoch in sorted(doubtful_epochs(told).items())
+    ]
 
 
 def star(boats: Sequence[int], places: Sequence[Place], lengths_m: Sequence[float]) -> list[Member]:
@@ -126,7 +157,8 @@ class StopTable:
     """Stops the fleet's members, even those that no order reaches, because boats pass a table on.
 
     Nothing is sent while no boat reports a table. The table's places are the boats' positions, so
-    that boats that follow again after a stop keep about that shape.
+    that boats that follow again after a stop keep about that shape. If a boat's position is unknown,
+    the places are those of the tables that boats have passed on.
     """
 
     def __init__(self, station: Station) -> None:
@@ -134,23 +166,63 @@ class StopTable:
         self._epoch = 0
         self._boats: list[int] = []
         self._members: list[Member] = []
+        self._turns = False
+        self._count = 0
+        self._sent_s = 0.0
 
-    def send(self, boats: Sequence[int]) -> None:
-        """Send the table, with a greater epoch if further boats or another table have appeared."""
-        newest = newest_epoch(self._station)
-        if newest == 0 or not boats:
+    def send(self, boats: Sequence[int], trusted: Sequence[int]) -> None:
+        """Send the table, with a greater epoch if further boats or another table have appeared.
+
+        After three times, pauses so that the boats can pass it on. `trusted`: boats whose epochs
+        count even if they are doubtful.
+        """
+        told = told_epochs(self._station, boats)
+        newest = max(newest_epoch(told), *(told.get(boat, 0) for boat in trusted), 0)
+        now_s = self._station.now_s()
+        if newest == 0 or not boats or now_s < _GATHER_S:
             return
-        if newest > self._epoch or set(boats) - set(self._boats):
-            top = root(self._station)
-            self._boats = sorted(boats, key=lambda boat: (boat != top, boat))[:MOST_MEMBERS]
+        top, heard = root(self._station), self._station.boats()
+        ranked = sorted(boats, key=lambda boat: (boat != top, boat not in heard, boat))
+        listed = ranked[:MOST_MEMBERS]
+        if newest > self._epoch or self._has_rival(boats) or set(listed) - set(self._boats):
+            self._boats = listed
             self._epoch = min(max(newest, self._epoch) + 1, LAST_EPOCH)
-            lengths_m = [0.0] * len(self._boats)
-            self._members = star(self._boats, self._places(self._boats), lengths_m)
-        self._station.send(table_message(self._epoch, self._members, stop=True))
+            places, self._turns = self._places(self._boats)
+            self._members = star(self._boats, places, [0.0] * len(self._boats))
+            self._count = 0
+        if self._count < _BURST or now_s - self._sent_s >= _PAUSE_S:
+            self._count += 1
+            self._sent_s = now_s
+            self._station.send(self._frame())
 
-    def _places(self, boats: Sequence[int]) -> list[Place]:
+    def _frame(self) -> bytes:
+        return table_message(self._epoch, self._members, turns=self._turns, stop=True)
+
+    def _has_rival(self, boats: Sequence[int]) -> bool:
+        """Whether a boat reports another table with the same epoch."""
+        if not self._members:
+            return False
+        told = [beacon for boat in boats if (beacon := self._station.last_beacon(boat))]
+        ours = digest_of(self._frame())
+        return any(beacon.epoch == self._epoch and beacon.digest != ours for beacon in told)
+
+    def _places(self, boats: Sequence[int]) -> tuple[list[Place], bool]:
+        """The boats' places, and whether these turn with the leader."""
         places = present_places(self._station, boats, turning=False)
-        apart = places and all(math.dist(*pair) > 0.02 for pair in combinations(places, 2))
-        if places and apart and max(max(map(abs, place)) for place in places) < _FARTHEST_M:
-            return places
-        return [(-_APART_M * i, 0.0) for i in range(len(boats))]
+        if places is not None and _can_be_told(places):
+            return places, False
+        table = self._station.table()
+        places = []
+        astern_m = min((table.places[boat][0] for boat in boats if boat in table.places), default=0)
+        for boat in boats:
+            places.append(table.places.get(boat, (astern_m - _APART_M, 0.0)))
+            astern_m -= 0.0 if boat in table.places else _APART_M
+        places = [(x - places[0][0], y - places[0][1]) for x, y in places]
+        if _can_be_told(places):
+            return places, table.turns
+        return [(-_APART_M * i, 0.0) for i in range(len(boats))], False
+
+
+def _can_be_told(places: Sequence[Place]) -> bool:
+    apart = all(math.dist(*pair) > 0.02 for pair in combinations(places, 2))
+    return apart and max(max(map(abs, place)) for place in places) < _FARTHEST_M

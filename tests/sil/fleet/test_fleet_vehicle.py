@@ -15,7 +15,7 @@ from sil.fleet.vehicle_commands import wish_of
 from sil.wire.fleet_table import Member, table_message
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER
 from sil.wire.signing import Signer
-from tests.sil.fleet.waters import BOATS, Waters
+from tests.sil.fleet.waters import BOATS, Waters, beacon_message, heard
 
 FLEET = 250
 ARM, MODE, GO = 400, 176, 192
@@ -187,6 +187,15 @@ def test_a_boat_that_does_not_obey_is_named(served: Served) -> None:
     assert served.ground.of("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_CRITICAL
 
 
+def test_a_beacon_of_nobody_leaves_the_fleet_as_it_is(served: Served) -> None:
+    heard(served.waters, beacon_message(77, 1, 5))
+    served.ground.mode(FORMATION)
+    served.run(15.0)
+    assert served.ground.answers(MODE) == [IN_PROGRESS, ACCEPTED]
+    assert served.ground.of("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_ACTIVE
+    assert "77" not in served.ground.texts()
+
+
 def test_a_command_that_is_repeated_is_carried_out_once(served: Served) -> None:
     for _ in range(4):
         served.ground.mode(LOITER)
@@ -258,6 +267,24 @@ def test_it_takes_no_boats_id() -> None:
     vehicle = FleetVehicle(waters.station(), Ground(), BOATS[1])
     with pytest.raises(ValueError, match="system id 2 is taken"):
         vehicle.serve(3.0)
+
+
+def test_its_own_heartbeat_that_comes_back_is_told_once_and_ignored(served: Served) -> None:
+    for _ in range(3):
+        heard(served.waters, served.ground.frames[0])
+        served.run(2.0)
+    assert served.ground.texts().count("messages with system id 250 among the boats") == 1
+    assert served.station.boats() == list(BOATS)
+    served.ground.command(ARM, 0.0)
+    served.run(4.0)
+    assert served.ground.answers(ARM) == [IN_PROGRESS, ACCEPTED]
+
+
+def test_a_strangers_message_with_its_id_does_not_end_it(served: Served) -> None:
+    served.run(3.0)
+    heard(served.waters, beacon_message(FLEET, 1, 5))
+    served.run(3.0)
+    assert "messages with system id 250 among the boats are ignored" in served.ground.texts()
 
 
 def test_garbage_is_ignored(served: Served) -> None:

@@ -7,11 +7,13 @@ simulation's, so a run takes a moment, and is the same every time.
 
 import io
 import random
+import struct
 from collections.abc import Sequence
 from typing import Any
 
 import flotilla
 import numpy as np
+from pymavlink.generator.mavcrc import x25crc
 from rich.console import Console
 
 from sil.fleet.actions import Wish, perform
@@ -20,6 +22,7 @@ from sil.fleet.station import Station
 from sil.lockstep.batch import Batch
 from sil.lockstep.start import start
 from sil.scenario import scenario
+from sil.wire.mavlink_messages import FLEET_BEACON, LAYOUTS, SEEDS
 
 BOATS = (1, 2, 3, 4)
 SETTINGS = (
@@ -96,11 +99,16 @@ class Waters:
         self.airs.append(air)
         return Station([air], system, clock=self)
 
-    def command(self, *, system: int = 255, **wish: Any) -> tuple[int, str]:
-        """Exit status and words of a command of an operator."""
+    def command(
+        self, *, system: int = 255, strange: Sequence[bytes] = (), **wish: Any
+    ) -> tuple[int, str]:
+        """Exit status and words of a command of an operator, who hears strange frames first."""
         words = io.StringIO()
         console = Console(file=words, width=120, highlight=False)
-        status = perform(self.station(system), Wish(**wish), console)
+        station = self.station(system)
+        for frame in strange:
+            heard(self, frame)
+        status = perform(station, Wish(**wish), console)
         self.airs.pop()
         print(f"{wish}: {status}\n{words.getvalue()}")
         return status, words.getvalue()
@@ -130,3 +138,17 @@ class Air(End):
 
     def close(self) -> None:
         pass
+
+
+def heard(waters: Waters, frame: bytes) -> None:
+    """A stranger's frame, at all the operators' radios."""
+    for air in waters.airs:
+        air.heard.append((("boat", 1), frame))
+
+
+def beacon_message(system: int, epoch: int, digest: int, component: int = 1) -> bytes:
+    """A FLEET_BEACON frame of who is neither fit nor leads."""
+    payload = LAYOUTS[FLEET_BEACON].pack(0, epoch, digest, 0, 0, 0).rstrip(b"\0")
+    head = bytes([len(payload), 0, 0, 0, system, component]) + FLEET_BEACON.to_bytes(3, "little")
+    crc = x25crc(head + payload + bytes([SEEDS[FLEET_BEACON]])).crc
+    return b"\xfd" + head + payload + struct.pack("<H", crc)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: MIT
+"""Which epochs count for a new table, and which boats a stop's table reaches."""
+
+from collections.abc import Sequence
+
+import pytest
+
+from sil.fleet.ends import End
+from sil.fleet.orders import stop
+from sil.fleet.tables import doubtful_epochs, newest_epoch
+from sil.wire.fleet_table import Member, digest_of, table_message
+from sil.wire.mavlink_messages import FLEET_TABLE
+from tests.sil.fleet.waters import BOATS, Waters, beacon_message, heard
+
+
+@pytest.fixture
+def waters() -> Waters:
+    """Boats with table 1, in shape."""
+    waters = Waters(boat_loss=0.0)
+    assert waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)[0] == 0
+    waters.wait((), 10.0)
+    return waters
+
+
+def form_after(waters: Waters, frame: bytes) -> tuple[int, str]:
+    """`form`, which hears this frame first."""
+    return waters.command(strange=[frame], action="form", shape="line", spacing_m=4.0, boats=BOATS)
+
+
+def test_a_strangers_beacon_takes_no_epoch(waters: Waters) -> None:
+    status, words = form_after(waters, beacon_message(77, 65534, 1))
+    assert status == 0 and words.startswith("table 2 is in force with 4 of 4 boats")
+
+
+def test_an_epoch_that_one_boat_alone_tells_is_named_and_does_not_count() -> None:
+    told = {1: 3, 2: 65534, 3: 3, 4: 2}
+    assert doubtful_epochs(told) == {2: 65534}
+    assert newest_epoch(told) == 3
+
+
+@pytest.mark.parametrize(
+    ("told", "newest"),
+    [
+        ({1: 60000, 2: 60000, 3: 59999}, 60000),
+        ({1: 60000, 2: 60000, 3: 2}, 60000),  # one of them comes from another fleet
+        ({1: 60000}, 60000),
+        ({1: 12, 2: 3}, 12),  # it has missed some tables
+        ({}, 0),
+    ],
+)
+def test_a_high_epoch_that_boats_really_hold_counts(told: dict[int, int], newest: int) -> None:
+    assert newest_epoch(told) == newest
+    assert not doubtful_epochs(told)
+
+
+def test_a_fleet_with_a_high_epoch_is_formed_and_stopped(waters: Waters) -> None:
+    members = [Member(1, 0, (0.0, 0.0), 1.3)]
+    members += [Member(boat, 1, (-4.0 * boat, 0.0), 1.3) for boat in BOATS[1:]]
+    table = table_message(60000, members)
+    for boat in BOATS:
+        waters.batch.fleet.hear(waters.agent(boat), table, waters.t_us)
+    waters.wait((), 5.0)
+    status, words = waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)
+    assert status == 0 and words.startswith("table 60001 is in force with 4 of 4 boats")
+    waters.deaf = {4}
+    waters.command(action="stop", boats=BOATS)
+    assert waters.states == ["DISARMED"] * 3 + ["HOLD"]
+
+
+def test_a_boat_that_alone_tells_a_high_epoch_is_named(waters: Waters) -> None:
+    wait = waters.wait
+
+    def flooded(ends: Sequence[End], for_s: float) -> Sequence[End]:
+        told = wait(ends, for_s)
+        heard(waters, beacon_message(2, 65534, 1))
+        return told
+
+    waters.wait = flooded  # type: ignore[method-assign]
+    status, words = waters.command(action="form", shape="line", spacing_m=4.0, boats=BOATS)
+    assert status == 1 and "table 2 is in force with 3 of 4 boats" in words
+    assert "boat 2 alone tells of table 65534, the others of 1 at most: not counted" in words
+    status, words = waters.command(action="stop")
+    assert status == 0 and "boat 2 alone tells of table 65534" in words
+
+
+def test_a_stop_wins_over_a_shape_of_the_same_epoch(waters: Waters) -> None:
+    """Boat 4 hears no order, only the other boats, which have the shape's table."""
+    station = waters.station()
+    station.run(3.0)
+    send, rivals = station.send, []
+
+    def with_rival(frame: bytes, system: int | None = None) -> None:
+        if FLEET_TABLE.to_bytes(3, "little") == frame[7:10] and not rivals:
+            rivals.append(rival(2, digest_of(frame)))
+            for boat in BOATS:
+                waters.batch.fleet.hear(waters.agent(boat), rivals[0], waters.t_us)
+        send(frame, system)
+
+    station.send = with_rival  # type: ignore[method-assign]
+    waters.deaf = {4}
+    stop(station, BOATS)
+    assert rivals
+    assert waters.states == ["DISARMED"] * 3 + ["HOLD"]
+
+
+def rival(epoch: int, digest: int) -> bytes:
+    """A shape's table with this epoch and a greater digest."""
+    for apart_m in range(400, 800):
+        members = [Member(1, 0, (0.0, 0.0), 1.3)]
+        members += [Member(boat, 1, (-0.01 * apart_m * boat, 0.0), 1.3) for boat in BOATS[1:]]
+        frame = table_message(epoch, members, sender=(254, 190))
+        if digest_of(frame) > digest:
+            return frame
+    raise AssertionError(digest)
+
+
+def test_a_boat_that_only_a_table_tells_of_is_stopped_and_named(waters: Waters) -> None:
+    members = [Member(1, 0, (0.0, 0.0), 1.3)]
+    members += [Member(boat, 1, (-4.0 * boat, 0.0), 1.3) for boat in BOATS[1:]]
+    waters.deaf = {4}
+    table = table_message(1, members, sender=(2, 1))
+    status, words = waters.command(strange=[table], action="stop")
+    assert waters.states == ["DISARMED"] * 3 + ["HOLD"]
+    assert (status, words.splitlines()) == (
+        1,
+        ["3 of 4 stopped and disarmed", "boat 4: not heard, told only by the table"],
+    )
+
+
+def test_a_strangers_table_adds_nobody(waters: Waters) -> None:
+    members = [Member(1, 0, (0.0, 0.0), 1.3), Member(9, 1, (-4.0, 0.0), 1.3)]
+    station = waters.station()
+    heard(waters, table_message(1, members, sender=(77, 1)))
+    assert [answer.system for answer in stop(station, ())] == list(BOATS)
