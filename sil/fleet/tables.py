@@ -12,7 +12,7 @@ from typing import Any, get_args
 from sil.fleet.lead import root
 from sil.fleet.station import STALE_S, Station
 from sil.scenario.formation import Formation, Place, Shape, slots
-from sil.wire.fleet_table import MOST_MEMBERS, Member, digest_of, table_message
+from sil.wire.fleet_table import MOST_MEMBERS, Member, table_message
 
 LAST_EPOCH = 65535
 _FAR_ABOVE = 1000  # epochs; each table takes one
@@ -157,8 +157,8 @@ class StopTable:
     """Stops the fleet's members, even those that no order reaches, because boats pass a table on.
 
     Nothing is sent while no boat reports a table. The table's places are the boats' positions, so
-    that boats that follow again after a stop keep about that shape. If a boat's position is unknown,
-    the places are those of the tables that boats have passed on.
+    that boats that follow again after a stop keep about that shape. If a boat's position is
+    unknown, the places are those of the tables that boats have passed on.
     """
 
     def __init__(self, station: Station) -> None:
@@ -184,7 +184,7 @@ class StopTable:
         top, heard = root(self._station), self._station.boats()
         ranked = sorted(boats, key=lambda boat: (boat != top, boat not in heard, boat))
         listed = ranked[:MOST_MEMBERS]
-        if newest > self._epoch or self._has_rival(boats) or set(listed) - set(self._boats):
+        if newest > self._epoch or set(listed) - set(self._boats):
             self._boats = listed
             self._epoch = min(max(newest, self._epoch) + 1, LAST_EPOCH)
             places, self._turns = self._places(self._boats)
@@ -197,14 +197,6 @@ class StopTable:
 
     def _frame(self) -> bytes:
         return table_message(self._epoch, self._members, turns=self._turns, stop=True)
-
-    def _has_rival(self, boats: Sequence[int]) -> bool:
-        """Whether a boat reports another table with the same epoch."""
-        if not self._members:
-            return False
-        told = [beacon for boat in boats if (beacon := self._station.last_beacon(boat))]
-        ours = digest_of(self._frame())
-        return any(beacon.epoch == self._epoch and beacon.digest != ours for beacon in told)
 
     def _places(self, boats: Sequence[int]) -> tuple[list[Place], bool]:
         """The boats' places, and whether these turn with the leader."""

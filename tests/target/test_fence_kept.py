@@ -53,7 +53,9 @@ def words(sea: Sea) -> list[str]:
     return [said.text for said in sentences(sea.ticks)]
 
 
-def fenced(plan: list[Item], fence: list[Item], parameters: dict[str, float] | None = None) -> Sea:
+def fenced(
+    plan: list[Item], fence: list[Item], parameters: dict[str, float] | None = None
+) -> Afloat:
     """A boat at the origin whose fence was stored after its plan."""
     sea = at_sea(plan, parameters)
     assert send(sea, FENCE, fence) == ITEM_ACCEPTED
