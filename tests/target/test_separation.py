@@ -146,21 +146,25 @@ def test_other_systems_than_vessels_are_no_obstacles(kind: int) -> None:
     assert sea.condition("clear") and sea.snapshot()["separation_m"] is None
 
 
-@pytest.mark.parametrize("ours", [False, True])
-def test_an_echo_sounders_depth_makes_no_member_of_a_stranger(ours: bool) -> None:
-    """A boat yields to a stranger that comes straight at it, not to one that is deeper."""
+@pytest.mark.parametrize("component", [None, 1, 191])
+def test_an_echo_sounders_depth_makes_no_member_of_a_stranger(component: int | None) -> None:
+    """A boat yields to a stranger that comes straight at it, not to a member that is deeper.
+
+    `component`: the one that speaks Flotilla's dialect, an autopilot or its companion.
+    """
     sea = boat()
     sea.enter_formation()
-    station = Station(STRANGER)
+    autopilot, ours = Station(STRANGER), Station(STRANGER, component or 1)
     beat = mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_SURFACE_BOAT, 3, 4, 0, 4, 3)
     for k in range(20):
         if k % 10 == 0:
-            sea.say(beat, origin(sea.now_us), depth(12.0), sender=station)
-            if ours:
-                sea.say(beacon(), sender=station)
-        sea.say(local_position(Course(6.0, 0.0, math.pi, 0.5), sea.now_us), sender=station)
+            sea.say(beat, origin(sea.now_us), sender=autopilot)
+            if component is not None:
+                sea.say(beacon(), sender=ours)
+            sea.say(depth(12.0), sender=ours)
+        sea.say(local_position(Course(6.0, 0.0, math.pi, 0.5), sea.now_us), sender=autopilot)
         sea.run(0.1)
-    assert sea.snapshot()["limited"]["yielding"] != ours
+    assert sea.snapshot()["limited"]["yielding"] == (component is None)
 
 
 MOORED, UNKNOWN_STATUS = mavlink.AIS_NAV_STATUS_MOORED, 15

@@ -78,13 +78,13 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   if (!watches() || system == own_system_ || system == 0) return;
   if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
     take_heartbeat(received.from, *beat);
+  } else if (is_ours(received.message)) {
+    speaker_[system] = component;
+  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
+    take_depth(received.from, *value);
   }
   if (component == 0 || autopilot_[system] != component) return;
-  if (is_ours(received.message)) {
-    members_[system] = true;
-  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
-    take_depth(system, *value);
-  } else if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
+  if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin, now_us);
   } else if (const auto sample = place_of<S>(received.message)) {
     take_place(system, *sample, own, now_us);
@@ -98,9 +98,12 @@ void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& messa
   if (Vessel* vessel = find(from.system)) vessel->steered = (message.base_mode & kBySelf) != 0;
 }
 
-void Neighbours::take_depth(std::uint8_t system, const link::NamedValueFloat& message) {
+/// Other firmware sends the depth of the water under that name.
+void Neighbours::take_depth(link::Address from, const link::NamedValueFloat& message) {
+  const auto [system, component] = from;
   const float told = message.value;
-  if (!members_[system] || !is_named(message, "DEPTH") || !(told >= 0 && told <= kDeepest)) return;
+  if (component == 0 || speaker_[system] != component || !is_named(message, "DEPTH")) return;
+  if (!(told >= 0 && told <= kDeepest)) return;
   const auto depth = static_cast<std::uint8_t>(told);
   if (static_cast<float>(depth) != told) return;
   if (system == leader_system_) leader_depth_ = depth;

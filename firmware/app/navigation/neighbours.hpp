@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -89,7 +88,7 @@ class Neighbours {
   template <class S>
   void take_news(const link::Received& received, const convert::Position& own, std::int64_t now_us);
   void take_heartbeat(link::Address from, const link::Heartbeat& message);
-  void take_depth(std::uint8_t system, const link::NamedValueFloat& message);
+  void take_depth(link::Address from, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message, std::int64_t now_us);
   template <class S>
   void take_ais(const link::AisVessel& message, const convert::Position& own, std::int64_t now_us);
@@ -120,7 +119,7 @@ class Neighbours {
   std::array<Vessel, core::kMaxVessels> vessels_{};
   std::size_t used_ = 0;                       // of vessels_: none behind these was ever tracked
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
-  std::bitset<256> members_;                   // systems whose autopilot speaks our dialect
+  std::array<std::uint8_t, 256> speaker_{};    // component that speaks our dialect, by system
 };
 
 }  // namespace flotilla::app
