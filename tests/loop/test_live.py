@@ -31,8 +31,7 @@ COASTING_RUN_S = 10
 def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short live run of `diamond` on mcast:1 … mcast:4."""
 
-    def sail(attempt: int) -> Path:
-        out = tmp_path_factory.mktemp(f"live{attempt}")
+    def sail(out: Path) -> None:
         for name in (
             "recording.bin",
             "run.mcap",
@@ -44,9 +43,8 @@ def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
         with live_buses() as bus:
             arguments = ["live", "diamond", "--bus", bus, "--duration", str(DURATION_S)]
             assert main([*arguments, "--out", str(out)]) == 0
-        return out
 
-    return sail_punctually(sail)
+    return sail_punctually(sail, tmp_path_factory.mktemp("live"))
 
 
 def test_live_boats_are_where_the_lockstep_has_them(live: Path, diamond: tuple[Run, Path]) -> None:
@@ -113,14 +111,13 @@ def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
     parameters = {"FS_LEADER_S": 1.0, "FS_COAST_S": 60.0}
     words, summary = io.StringIO(), None
 
-    def sail(attempt: int) -> Path:
+    def sail(out: Path) -> None:
         nonlocal words, summary
-        out, words = tmp_path / str(attempt), io.StringIO()
+        words = io.StringIO()
         with live_buses() as bus:
             summary = one_run.live(pair, bus, out, parameters, "", Console(file=words))
-        return out
 
-    out = sail_punctually(sail)
+    out = sail_punctually(sail, tmp_path)
     assert summary is not None
     behind_it, behind_boat_1 = (boat["states"] for boat in summary["boats"])
     assert behind_it.keys() == {"FORMATION", "COAST"}

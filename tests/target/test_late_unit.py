@@ -6,7 +6,8 @@ from __future__ import annotations
 import pytest
 
 from tests.target.hull import Afloat, Hull, s_curve
-from tests.target.sea import PAPER, texts
+from tests.target.sea import PAPER
+from tests.target.test_long_texts import sentences
 
 
 def sailing(late_s: float, law: dict[str, float], seconds: float = 25.0) -> Afloat:
@@ -19,7 +20,7 @@ def sailing(late_s: float, law: dict[str, float], seconds: float = 25.0) -> Aflo
 
 
 def words(sea: Afloat) -> list[str]:
-    return [text for text in texts(sea.ticks) if "navigation" in text]
+    return [said.text for said in sentences(sea.ticks) if "navigation" in said.text]
 
 
 def test_the_boat_tells_how_late_its_unit_is_once() -> None:
@@ -27,7 +28,7 @@ def test_the_boat_tells_how_late_its_unit_is_once() -> None:
     assert sea.state == "FORMATION"
     (told,) = words(sea)
     assert float(told.split()[3]) == pytest.approx(0.2, abs=0.03)
-    assert told.endswith("(no TIMESYNC): compe") and "nsated" in texts(sea.ticks)  # two chunks
+    assert told.endswith("(no TIMESYNC): compensated")
 
 
 @pytest.mark.parametrize("law", [{}, {"NAV_LAG_S": 0.2}])

@@ -64,8 +64,7 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[dict[str, Any]]
     build(print)
     frames: list[dict[str, Any]] = []
 
-    def sail(attempt: int) -> Path:
-        out = tmp_path_factory.mktemp(f"seen{attempt}")
+    def sail(out: Path) -> None:
         group = f"mcast:239.255.145.63:{free_port()}"
         with live_buses() as bus, process("sil", "view", group, "--bind", "127.0.0.1:0") as view:
             live = ["sil", "live", "diamond", "--bus", bus, "--duration", str(DURATION_S)]
@@ -75,9 +74,8 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[dict[str, Any]]
                 frames[:] = asyncio.run(frames_until(url, sailing.poll))
                 assert sailing.wait(_PATIENCE_S) == 0, sailing.communicate()
         assert view.returncode == 0
-        return out
 
-    out = sail_punctually(sail)
+    out = sail_punctually(sail, tmp_path_factory.mktemp("seen"))
     return frames, out
 
 

@@ -144,8 +144,7 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
     PICTURES.mkdir(parents=True, exist_ok=True)
     seen: list[Any] = []
 
-    def sail(attempt: int) -> Path:
-        out = tmp_path / str(attempt)
+    def sail(out: Path) -> None:
         address = f"mcast:239.255.145.64:{free_port()}"
         ear = Ear(address)
         try:
@@ -153,14 +152,15 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
                 assert view.stdout is not None
                 browser.open(view.stdout.readline().split()[-1])
                 browser.until(LIVE)
-                with sailing(address, out):
-                    seen[:] = watched(browser, ear)
-                browser.open("about:blank")
+                try:
+                    with sailing(address, out):
+                        seen[:] = watched(browser, ear)
+                finally:
+                    browser.open("about:blank")
         finally:
             ear.close()
-        return out
 
-    out = sail_punctually(sail)
+    out = sail_punctually(sail, tmp_path)
     late_s, coasting = seen
     print(f"shown after the boat had said it: {late_s}")
     assert all(seconds < 1.0 for seconds in late_s.values())
