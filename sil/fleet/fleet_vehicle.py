@@ -185,7 +185,7 @@ class FleetVehicle:
             raise SupersededError
 
     def _look_at_echoes(self, now_s: float) -> None:
-        """Whoever uses the vehicle's id among the boats is an echo, a stranger, or a boat."""
+        """Warn of messages with the vehicle's id among the boats; ValueError if a boat has it."""
         own, echoed = self._mav.srcSystem, self._station.echoed
         if now_s < DISCOVERY_S and echoed - _SAID:
             raise ValueError(f"system id {own} is taken by a vessel: give the fleet another")

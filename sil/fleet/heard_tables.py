@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables that boats hand on, as a station overhears them: who the members are, and where."""
+"""The tables that boats pass on, as a station overhears them: the members and their places."""
 
 import struct
 from collections.abc import Collection
@@ -24,7 +24,7 @@ class HeardTable(NamedTuple):
 
 
 class HeardTables:
-    """All tables of each sender: of a member the place in the last one that lists it."""
+    """The tables of each sender, merged: a member has its place in the last one that lists it."""
 
     def __init__(self) -> None:
         self._of: dict[tuple[int, int], HeardTable] = {}
@@ -43,7 +43,7 @@ class HeardTables:
             self._of[sender] = told._replace(places=known | told.places)
 
     def of(self, senders: Collection[tuple[int, int]]) -> HeardTable:
-        """What these senders, by system and component, have told: the newest table last."""
+        """The tables of these senders (system, component), merged: a newer one overrides."""
         told = [table for sender, table in self._of.items() if sender in senders]
         whole = HeardTable(0, False, {})
         for table in sorted(told, key=lambda one: one.epoch):

@@ -131,7 +131,7 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
         known = everyone()
         for system in leader_last(station, open_ones()):
             station.say(order(system, count))
-        # Who has not answered by now may really hold a table whose epoch nobody else tells.
+        # A boat that has not answered by now may really hold a table with a doubtful epoch.
         late = station.now_s() - since_s >= DISCOVERY_S
         table.send(everyone(), open_ones() if late else ())
         count += 1

@@ -146,12 +146,12 @@ class Station:
             end.close()
 
     def table(self) -> HeardTable:
-        """The members of all tables that boats have handed on, within this station's hearing."""
+        """The members of all tables that this station has heard boats pass on."""
         known = self._autopilots.items()
         return self._tables.of({(system, each) for system, all_ in known for each in all_})
 
     def _last_beacon(self, system: int) -> tuple[float, Beacon | None]:
-        """With its time; only of a component that has sent a boat's heartbeat."""
+        """The last beacon and its time, from a component that has sent a boat's heartbeat."""
         components = self._autopilots.get(system, set())
         told = [
             self._beacons[key] for each in components if (key := (system, each)) in self._beacons
@@ -222,7 +222,7 @@ class Station:
                 self.texts = [*self.texts[-_MOST_KEPT:], Text(now_s, system, said.last)]
 
     def _look_at_heartbeat(self, system: int, component: int, fields: tuple[Any, ...]) -> None:
-        """Note that a boat's autopilot speaks: beside another autopilot it says it is none."""
+        """Record the component that sends a boat's heartbeat: its autopilot, or a companion."""
         mode, _, autopilot = fields[:3]
         is_none = autopilot == mavlink.MAV_AUTOPILOT_INVALID
         is_boat = self.fleet.systems[system].kind == "boat" and mode in _MODES
