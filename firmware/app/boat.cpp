@@ -168,7 +168,7 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
   if (fleet_.take_change()) {
     configure();
     const SlotMotion slot = fleet_.slot_motion();
-    pilot_.move_slot(slot.moves, slot.mps, slot.mps2);
+    pilot_.move_slot(slot.moves, slot.mps, slot.mps2, slot.soon_mps);
     apply_conditions(now_us);
   }
   if (fleet_.obey(order)) note_state(now_us);

@@ -106,7 +106,8 @@ FleetTable matched(const FleetTable& wanted, Now now, bool all) {
   return table;
 }
 
-/// By how much two boats stay farther apart on their ways than 1.2 hulls, cm; the least.
+/// By how much two boats stay farther apart on their ways than two hulls, cm; the least. The
+/// separation filter delays boats that pass nearer.
 double room_cm(const FleetTable& table, Now now) {
   double least = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < table.count; ++i) {
@@ -118,7 +119,7 @@ double room_cm(const FleetTable& table, Now now) {
       const double square = d.x * d.x + d.y * d.y;
       const double along = -(before.x * d.x + before.y * d.y);
       const double share = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.0;
-      const double hulls_cm = 6.0 * (table.members[i].length_dm + table.members[j].length_dm);
+      const double hulls_cm = 10.0 * (table.members[i].length_dm + table.members[j].length_dm);
       const Way nearest{before.x + share * d.x, before.y + share * d.y};
       least = std::min(least, length(nearest) - hulls_cm);
     }

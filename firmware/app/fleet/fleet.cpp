@@ -20,6 +20,8 @@ constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 constexpr std::int64_t kMore_us = 200'000;
 // Only the leader knows its plan: another boat that hears a request leaves it that long to it.
 constexpr std::int64_t kLeaders_us = 1'500'000;
+// In that time a boat gets a table that any member holds: a greater epoch is then no longer believed.
+constexpr std::int64_t kAhead_us = 10'000'000;
 // While a shape changes the slots are set anew that often; between, the law has their speed.
 constexpr std::int64_t kMove_us = 200'000;
 // Until boats have turned to the leader's course again, and are in their new slots.
@@ -100,7 +102,7 @@ void Fleet::take(const FleetTable& table, std::int64_t valid_us, std::int64_t no
   if (!ledger_.take(table, valid_us, now_us)) return;
   if (wish_ && wish_->table.epoch <= table.epoch) wish_.reset();
   beacon_us_ = now_us;  // who lacks it asks
-  table_us_ = kNever;
+  table_us_ = ahead_us_ = kNever;
 }
 
 /// Whether it orders this boat to stop: as its member, or as one of a table that it replaces.
@@ -137,12 +139,14 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     const auto own = held.rank_of(system_);
     table_us_ = now_us + kTurn_us * static_cast<std::int64_t>(own.value_or(0));
   }
+  if (held.epoch < beacon.epoch && ahead_us_ == kNever) ahead_us_ = now_us;
+  const bool believed = ahead_us_ == kNever || now_us - ahead_us_ < kAhead_us;
   const auto now_rank = rank_in(ledger_.current(), from);
   if (!now_rank) return;
   FleetPeer& peer = peers_[*now_rank];
   peer.fit = (beacon.flags & kFit) != 0;
   peer.leads = (beacon.flags & kLeads) != 0;
-  peer.epoch = beacon.epoch;
+  peer.epoch = believed ? beacon.epoch : std::min(beacon.epoch, held.epoch);
   if (*now_rank == succession_.leader() && peer.leads) {
     place_ = {beacon.plan_id, beacon.plan_item};
   }
@@ -280,10 +284,14 @@ SlotMotion Fleet::slot_motion(std::size_t own, std::int64_t now_us) const {
   if (root >= table.count) return {};
   const Place here = *place_of(table.members[own].system, now_us);
   const Place there = *place_of(table.members[root].system, now_us);
+  const std::int64_t soon_us = now_us + static_cast<std::int64_t>(1e6 * kTurnAhead_s);
+  const Place soon = *place_of(table.members[own].system, soon_us);
+  const Place root_soon = *place_of(table.members[root].system, soon_us);
   SlotMotion out{.moves = moves(now_us)};
   for (std::size_t axis = 0; axis < out.mps.size(); ++axis) {
     out.mps[axis] = static_cast<float>(0.01 * (here.cmps[axis] - there.cmps[axis]));
     out.mps2[axis] = static_cast<float>(0.01 * (here.cmps2[axis] - there.cmps2[axis]));
+    out.soon_mps[axis] = static_cast<float>(0.01 * (soon.cmps[axis] - root_soon.cmps[axis]));
   }
   return out;
 }

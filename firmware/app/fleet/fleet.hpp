@@ -139,6 +139,7 @@ class Fleet {
   bool asks_ = false;                               // without a table
   std::int64_t beacon_us_ = 0, table_us_ = kNever;  // due
   std::int64_t passed_us_ = kNever;                 // the newest table was last heard or sent
+  std::int64_t ahead_us_ = kNever;  // a beacon first named an epoch that is not held
   std::uint8_t system_ = 0;
   std::optional<TableVerdict> refusal_;
   std::optional<std::uint16_t> told_epoch_;

@@ -14,6 +14,10 @@ namespace flotilla::app {
 
 constexpr double kMoveRamp_s = 5;
 
+/// Half the time in which a boat turns about at the default LAW_R_MAX: it begins so long before its
+/// place reverses.
+constexpr double kTurnAhead_s = 3;
+
 struct FleetMove {
   double share = 1;
   double rate = 0;      ///< of share, 1/s
@@ -24,6 +28,7 @@ struct FleetMove {
 struct SlotMotion {
   bool moves = false;  ///< or has just done so, and the boat may still turn
   std::array<float, 2> mps{}, mps2{};
+  std::array<float, 2> soon_mps{};  ///< velocity in kTurnAhead_s
   bool operator==(const SlotMotion&) const = default;
 };
 

@@ -10,6 +10,10 @@
 //  U, r, U̇      leader's velocity, yaw rate, acceleration            m/s, rad/s, m/s²
 //  d, w, ẇ      slot; its velocity and acceleration in the shape     m, m/s, m/s²
 //
+// Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat turns to
+// V_s, and does not follow the slot's last metre astern. Otherwise it would turn after the slot, and be
+// left behind.
+//
 // Not in paper, where slots rest in the shape. The leader's ṙ is left out.
 #pragma once
 
@@ -18,12 +22,13 @@
 
 namespace flotilla::app {
 
-/// w, w_dot: in the slot's axes.
+/// w, w_dot, and w_soon in kTurnAhead_s: in the slot's axes.
 template <class S>
-Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot) {
+Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot, core::Vec2<S> w_soon) {
   const auto [u, v, r] = lead.motion.nu;
   const auto [u_dot, v_dot, r_dot] = lead.motion.nu_dot;
-  const core::Rotation<S> R = core::rotation(lead.motion.psi);
+  const S psi_L = lead.motion.psi;
+  const core::Rotation<S> R = core::rotation(psi_L);
   core::Vec2<S> swept{u, v};
   if (lead.slot.turns) {
     const core::Vec2<S> d = lead.slot.d, d_n = core::to_north_east(R, d);
@@ -35,14 +40,21 @@ Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot) {
   } else {
     w = core::to_body(R, w);
     w_dot = core::to_body(R, w_dot);
+    w_soon = core::to_body(R, w_soon);
   }
   const core::Vec2<S> V{swept.x + w.x, swept.y + w.y};
   const core::Vec2<S> V_dot{u_dot - r * swept.y + w_dot.x, v_dot + r * swept.x + w_dot.y};
   const S speed = core::hypot(V.x, V.y);
   const S q = core::max(speed, S(0.2));  // slower, and it has hardly a course
-  lead.motion.psi = core::wrap_pi(lead.motion.psi + core::atan2(V.y, V.x));
+  lead.motion.psi = core::wrap_pi(psi_L + core::atan2(V.y, V.x));
   lead.motion.nu = {speed, S(0), (V.x * V_dot.y - V.y * V_dot.x) / (q * q)};
   lead.motion.nu_dot = {(V.x * V_dot.x + V.y * V_dot.y) / q, S(0), S(0)};
+  const core::Vec2<S> V_soon{swept.x + w_soon.x, swept.y + w_soon.y};
+  if (V.x * V_soon.x + V.y * V_soon.y < S(0)) {
+    lead.motion.psi = core::wrap_pi(psi_L + core::atan2(V_soon.y, V_soon.x));
+    lead.motion.nu = {core::hypot(V_soon.x, V_soon.y), S(0), S(0)};
+    lead.motion.nu_dot = {};
+  }
   lead.slot.moves = true;
   return lead;
 }

@@ -130,7 +130,7 @@ Lead<S> Pilot<S>::lead_of(const typename Reference<S>::Aim& aim) const {
   slot.d = convert::offset_of<S>(aim.offset.b);
   slot.turns = slot.turns || aim.offset.b != convert::WireOffset{};
   slot.steers = slot.steers || slot.turns;
-  if (kMoves && slot_moves_) lead = on_own_course(lead, slot_v_, slot_a_);
+  if (kMoves && slot_moves_) lead = on_own_course(lead, slot_v_, slot_a_, slot_soon_v_);
   return lead;
 }
 

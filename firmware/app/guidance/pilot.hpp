@@ -57,8 +57,10 @@ class Pilot {
 
   /// The fleet changes its shape: the slot moves relative to the formation's root, m/s and m/s² in
   /// its axes, and may go against the root's course.
-  void move_slot(bool moves, const std::array<float, 2>& mps, const std::array<float, 2>& mps2) {
+  void move_slot(bool moves, const std::array<float, 2>& mps, const std::array<float, 2>& mps2,
+                 const std::array<float, 2>& soon_mps) {
     slot_moves_ = moves;
+    slot_soon_v_ = {convert::scalar<S>(soon_mps[0]), convert::scalar<S>(soon_mps[1])};
     slot_v_ = {convert::scalar<S>(mps[0]), convert::scalar<S>(mps[1])};
     slot_a_ = {convert::scalar<S>(mps2[0]), convert::scalar<S>(mps2[1])};
   }
@@ -185,7 +187,7 @@ class Pilot {
 
   convert::Law<S> law_;
   bool slot_moves_ = false;
-  core::Vec2<S> slot_v_{}, slot_a_{};
+  core::Vec2<S> slot_v_{}, slot_a_{}, slot_soon_v_{};
   Configuration::Navigation limits_;
   convert::Reach reach_{0};  // the farthest that the leader may be
   TimeRequests time_;

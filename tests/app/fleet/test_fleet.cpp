@@ -282,6 +282,30 @@ TEST_CASE("another component with a dead leader's system id does not keep it ali
   CHECK(harbour.boats[1].state == core::State::kAuto);
 }
 
+TEST_CASE("a member that leads by a table which nobody has is believed for ten seconds") {
+  Harbour harbour = under_way();
+  harbour.boats[3].on = false;
+  link::FleetBeacon beacon{};
+  beacon.epoch = 60'000;
+  beacon.flags = 3;  // fit, leads
+  const auto repeat = [&](int tenths) {
+    for (int tenth = 0; tenth < tenths; ++tenth) {
+      for (std::size_t who = 0; who < 3; ++who) harbour.hear(who, beacon, {4, 1});
+      harbour.sail(0.1);
+    }
+  };
+  repeat(50);
+  CHECK(harbour.leader_of(2) == 4);
+  CHECK(harbour.boats[0].state == core::State::kFormation);
+  repeat(60);
+  // It now counts as a leader of the table that all hold: one with a higher rank goes before it.
+  harbour.boats[0].state = core::State::kAuto;
+  repeat(100);
+  CHECK(harbour.boats[0].state == core::State::kAuto);
+  CHECK(harbour.leader_of(2) == 2);
+  CHECK(harbour.leader_of(1) == 1);
+}
+
 TEST_CASE("a boat that is to lead follows none of those that are to follow it") {
   Harbour harbour = under_way();
   FleetTable next = table_of_four(2);

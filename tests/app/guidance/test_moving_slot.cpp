@@ -16,6 +16,7 @@ constexpr double kU = 0.6, kR = 0.05;  // of the leader, which turns
 struct Path {
   bool turns = false;
   core::Vec2<double> d{-6, 4}, w{0.3, -0.9}, w_dot{0.05, -0.1};
+  core::Vec2<double> w_soon = w;
 
   core::Vec2<double> slot(double t) const {
     return {d.x + w.x * t + w_dot.x * t * t / 2, d.y + w.y * t + w_dot.y * t * t / 2};
@@ -37,7 +38,7 @@ struct Path {
     out.motion.nu = {kU, 0, kR};
     out.slot.turns = turns;
     (turns ? out.slot.d : out.offset_n) = d;
-    return on_own_course(out, w, w_dot);
+    return on_own_course(out, w, w_dot, w_soon);
   }
 };
 
@@ -46,7 +47,7 @@ TEST_CASE("a moving slot has course, speed and yaw rate of its path, also agains
   for (const bool turns : {false, true}) {
     for (double way = 0; way < 2 * std::numbers::pi; way += 0.3) {
       Path path{.turns = turns};
-      path.w = {1.3 * std::cos(way), 1.3 * std::sin(way)};
+      path.w = path.w_soon = {1.3 * std::cos(way), 1.3 * std::sin(way)};
       const auto v = path.velocity(0), before = path.velocity(-h), after = path.velocity(h);
       const double course = std::atan2(v.y, v.x);
       const Lead<double> lead = path.lead();
@@ -68,10 +69,29 @@ TEST_CASE("a moving slot has course, speed and yaw rate of its path, also agains
 
 TEST_CASE("a slot that stands still over ground turns nobody on the spot") {
   Path path;
-  path.w = core::to_north_east(1.0, core::Vec2<double>{-kU + 0.001, 0.0});
+  path.w = path.w_soon = core::to_north_east(1.0, core::Vec2<double>{-kU + 0.001, 0.0});
   const Lead<double> lead = path.lead();
   CHECK(std::isfinite(lead.motion.nu.r));
   CHECK(std::abs(lead.motion.nu.r) < 1);
+}
+
+TEST_CASE("a boat turns about before its slot does, whether the slot turns astern or ahead") {
+  for (const bool turns : {false, true}) {
+    for (const double sign : {1.0, -1.0}) {
+      Path path{.turns = turns, .d = {}};
+      const auto along = [&](double over_ground) {
+        const core::Vec2<double> w{over_ground - kU, 0.0};
+        return turns ? w : core::to_north_east(1.0, w);
+      };
+      path.w = along(0.2 * sign);
+      path.w_soon = along(-0.3 * sign);
+      const Lead<double> lead = path.lead();
+      CHECK(std::abs(core::wrap_pi(lead.motion.psi - (sign > 0 ? 1 + std::numbers::pi : 1))) <
+            1e-6);
+      CHECK(lead.motion.nu.u == doctest::Approx(0.3));
+      CHECK(lead.motion.nu.r == 0);
+    }
+  }
 }
 
 }  // namespace
