@@ -78,8 +78,8 @@ void Alone<S>::sail_errand() {
   pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
-/// Looks further for a way round. Judges the leg that is sailed again and again: something may push
-/// the boat aside.
+/// Continues the search for a way round. Checks the present leg once a second, because the boat may
+/// be pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
   const Fence& fence = vehicle_.missions().fence();
@@ -92,7 +92,8 @@ void Alone<S>::keep_fence(const Now& now) {
   sail_round(now.state == core::State::kLoiter ? here : errands_.goal(), here);
 }
 
-/// The boat heads for the vessel that sails the errand, and for the place ahead of that.
+/// Whether the straight ways from the boat to the vessel that sails the errand, and to that
+/// vessel's next place, keep the fence.
 template <class S>
 bool Alone<S>::leg_keeps_fence() const {
   const PlanVessel<S>& sailed = pilot_.plan_vessel();
@@ -100,7 +101,7 @@ bool Alone<S>::leg_keeps_fence() const {
   return is_free(convert::global_of(sailed.place())) && (!ahead || is_free(*ahead));
 }
 
-/// The straight way there. Outside the fence any way may lead back.
+/// Whether the straight way to `ahead` keeps the fence. Outside the fence, any way may lead back.
 template <class S>
 bool Alone<S>::is_free(const convert::GlobalPoint& ahead) const {
   constexpr Fence::Length kNone{0};
@@ -144,7 +145,7 @@ core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
   return out;
 }
 
-/// By the law, but for a voyage that measures the hull.
+/// Sails the plan's items by the law, except a voyage that measures the hull.
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
   const MissionService& missions = vehicle_.missions();
@@ -153,7 +154,8 @@ core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
     voyage_.begin(missions.plan()[at], missions.id(Stored::kPlan), at, pilot_, configuration());
   }
   if (kSailsVoyages && voyage_.is_on()) return sail_voyage(now, dt);
-  // Places that move need a leader under way: at rest it would send some of them astern.
+  // While the fleet's shape moves, the leader waits for nobody: at rest it would make some slots
+  // move astern.
   const auto late = now.shape_moves ? std::nullopt : pilot_.reports().late(now.now_us);
   warnings_.tell_waiting(late);
   return pilot_.sail(missions.plan(), vehicle_.is_paused() || late, now.now_us, dt);
@@ -179,7 +181,7 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
   return out;
 }
 
-/// Does DO_SET_HOME where it follows the place that was reached.
+/// Executes each DO_SET_HOME between the place that was reached and the next place.
 template <class S>
 void Alone<S>::set_home_of_plan(std::size_t reached) {
   const Plan plan = vehicle_.missions().plan();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Sails without a leader. AUTO: the stored plan, but where it has come to a voyage that measures the
-// hull, that. GUIDED: to a target, or by velocities. LOITER: to a stop. RTL: home, or to a rally
-// point, straight or round what the fence forbids. A boat that was pushed aside looks for a new way.
+// Sails without a leader. AUTO sails the stored plan, including voyages that measure the hull.
+// GUIDED sails to a target or by velocities, LOITER to a stop, RTL home or to a rally point,
+// straight or round the zones that the fence forbids. A boat that was pushed aside searches for a
+// new way.
 #pragma once
 
 #include <cstddef>
@@ -19,12 +20,12 @@ namespace flotilla::app {
 template <class S>
 class Alone {
  public:
-  /// The boat in a tick. state: one that sails alone.
+  /// The boat's state in a tick. state: one in which the boat sails alone.
   struct Now {
     core::State state;
     core::Conditions conditions;
     std::int64_t now_us;
-    bool shape_moves = false;  ///< of the fleet, by its table
+    bool shape_moves = false;  ///< the fleet's table moves its shape
   };
 
   /// All must outlive this.
@@ -36,7 +37,7 @@ class Alone {
         warnings_(warnings),
         counters_(counters) {}
 
-  /// The state is entered.
+  /// Call on entering the state.
   void start(const Now& now);
 
   /// One step, dt after the last one, s.

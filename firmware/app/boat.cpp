@@ -255,6 +255,11 @@ void Boat<S>::look_at_fence(const std::optional<convert::Position>& place, std::
     seen.velocity_n = {convert::q16(v.x), convert::q16(v.y)};
     if (!core::law_drives(state())) alone_.check_way(*place, now_us);
   }
+  const bool yields = place && law_output_.separation.yielding;
+  pilot_.close_courses(yields ? FenceWatch::closed_courses(missions.fence(), *place,
+                                                           configuration().stopping,
+                                                           convert::q16(pilot_.fastest()))
+                              : std::uint16_t{0});
   if (core::law_drives(state())) missions.forget_way();
   fence_watch_.look(missions.fence(), configuration().stopping, seen);
 }

@@ -64,7 +64,8 @@ class Boat {
   /// Call before the host exits: later ticks send zero thrust and ArmingStatus 0.
   void disarm() { vehicle_.disarm(); }
 
-  /// Valid until the next report; before the first one all is assumed well.
+  /// Takes a report that is valid until the next one. Before the first report the boat assumes that
+  /// all is well.
   void on_host(const HostReport& report) {
     host_ = report;
     set_clock();
@@ -89,7 +90,7 @@ class Boat {
   /// whose messages were accepted.
   Heard take_heard() { return vehicle_.take_heard(); }
 
-  /// Why the parameters on the disk should be saved, since the last call.
+  /// Whether, and why, the host should save the parameters; since the last call.
   SaveRequest take_save_request() { return vehicle_.take_save_request(); }
 
   /// Only for a host that simulates the boat's surroundings: `judge` accepts or rejects the
@@ -99,17 +100,17 @@ class Boat {
 
   link::NodeIdServer& node_ids() { return can_.node_ids(); }
 
-  /// The stored plan, fence or rally points, for the host to keep; the id changes with them, and is
-  /// 0 without any.
+  /// The stored plan, fence or rally points, for the host to save. The id changes with the items;
+  /// it is 0 if none are stored.
   Plan stored(Stored kind) const { return vehicle_.missions().stored(kind); }
   std::uint32_t stored_id(Stored kind) const { return vehicle_.missions().id(kind); }
-  /// At the start: those of before, unless they are not sound.
+  /// At the start: restores saved items, unless they are not sound.
   PlanFault restore(Stored kind, Plan items) {
     return vehicle_.missions().restore(kind, items, configuration().plan);
   }
 
-  /// For a host that keeps logs: opened once at the start; after each tick it brings what is wished
-  /// for, now or later.
+  /// For a host that keeps logs: it opens the service once at the start, and after each tick it
+  /// brings, at once or later, the list or the bytes that wish() asks for.
   LogService& logs() { return vehicle_.logs(); }
 
   /// One control step; returns all output.

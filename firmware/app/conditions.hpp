@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The supervisor's conditions: those that depend on ESCs, voltage and position, and the set of all,
-// with those of Vehicle, Pilot and the host.
+// The supervisor's conditions: those of ESCs, voltage and position, and the complete set, which
+// includes those of Vehicle, Pilot and the host.
 #pragma once
 
 #include <array>
@@ -66,9 +66,9 @@ class FailsafeLimits {
   std::int64_t home_due_us_ = 0;
 };
 
-/// The conditions that depend on messages, frames, the host and parameters alone. Within a tick only
-/// a change of parameters changes them; kClear moves with the boat, but is asked only before a tick's
-/// motion.
+/// The conditions that depend on messages, frames, the host and parameters alone. Within a tick
+/// they change only with a parameter. kClear also depends on the boat's place, but is read before
+/// the boat moves in the tick.
 template <class S>
 core::Conditions heard_of(const Parts<S>& boat, std::int64_t now_us);
 

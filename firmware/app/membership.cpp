@@ -45,7 +45,7 @@ bool Membership::obey(FleetOrder order) {
   return true;
 }
 
-/// Sails on with the fleet's plan from where the last leader was, or waits if it has another one.
+/// Continues the fleet's plan from the last leader's item, or waits if this boat has another plan.
 void Membership::lead() {
   MissionService& missions = vehicle_.missions();
   const FleetPlace& place = fleet().place();

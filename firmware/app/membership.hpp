@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The boat as a member of its fleet: tells the fleet's rule how the boat is, asks the boat for what
-// the rule orders, and passes messages and news on. Where flash is short it does nothing.
+// The boat as a member of its fleet: reports the boat's state to the fleet's rule, asks the boat to
+// carry out the rule's orders, and passes on messages and news. Does nothing on targets whose flash
+// is short.
 #pragma once
 
 #include <array>
@@ -19,10 +20,10 @@ class Membership {
   Membership(Vehicle& vehicle, MavlinkLinks& links, link::Counters& counters)
       : vehicle_(vehicle), links_(links), counters_(counters) {}
 
-  /// Any message.
+  /// Takes any message.
   void hear(const link::Received& received, std::int64_t now_us);
 
-  /// As Fleet has it.
+  /// See Fleet.
   bool asks_outlook(std::int64_t now_us) const { return fleet().asks_outlook(now_us); }
   void give_places(const FleetOutlook& outlook, std::int64_t now_us) {
     fleet().give_places(outlook, now_us);
@@ -43,10 +44,10 @@ class Membership {
 
   bool shape_moves(std::int64_t now_us) const { return kKeepsFleet && fleet().moves(now_us); }
 
-  /// Asks the boat for it. False if there was nothing to ask.
+  /// Asks the boat to carry out the order. False if it asks nothing.
   bool obey(FleetOrder order);
 
-  /// Sends what is due.
+  /// Sends the messages that are due.
   void tell(std::int64_t now_us);
 
  private:
@@ -57,7 +58,7 @@ class Membership {
   Vehicle& vehicle_;
   MavlinkLinks& links_;
   link::Counters& counters_;
-  std::array<Fleet, kKeepsFleet ? 1 : 0> fleets_;  // no memory for it where it does nothing
+  std::array<Fleet, kKeepsFleet ? 1 : 0> fleets_;  // takes no memory where it does nothing
 };
 
 }  // namespace flotilla::app

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat's clock, from its host's, which may be set back: it never goes back, and follows a host's
-// clock that stays behind for 1 s from there.
+// The boat's clock, derived from its host's, which may be set back. The boat's clock never goes
+// back. If the host's clock stays behind for 1 s, the boat's continues with it from there.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class MonotonicClock {
 
   std::int64_t now_us() const { return now_us_; }
 
-  /// The host's time; returns the boat's.
+  /// Takes the host's time; returns the boat's.
   std::int64_t take(std::int64_t now, link::Counters& counters) {
     const std::int64_t now_us = std::clamp<std::int64_t>(now, 0, kLatest_us) + shift_us_;
     if (now_us >= now_us_) {

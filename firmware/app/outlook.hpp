@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How a boat will sail that leads its fleet.
+// How a boat that leads its fleet will sail.
 #pragma once
 
 #include <array>

@@ -63,7 +63,8 @@ inline constexpr std::array kParameterList{
 #undef FLOTILLA_PARAMETER
 };
 
-/// Of the parameter at the same place in kParameterList. Programs without a use for it do not hold it.
+/// Texts of the parameter at the same place in kParameterList. Programs that do not use them do not
+/// contain them.
 struct ParameterText {
   std::string_view group;
   std::string_view sentence;

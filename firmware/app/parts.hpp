@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat's parts, to look at: what its conditions, reports and snapshots are made of.
+// Read-only references to a boat's parts, for its conditions, reports and snapshots.
 #pragma once
 
 #include "app/conditions.hpp"

@@ -56,7 +56,7 @@ class Supervisor {
   /// Applies the automatic transitions. Later requests are judged by these conditions, too.
   Decision apply_conditions(core::Conditions conditions, std::int64_t now_us);
 
-  /// Requests are judged without these, until apply_conditions() is called again.
+  /// Removes conditions until the next apply_conditions(): requests are judged without them.
   void lack(core::Conditions missing) { conditions_ &= ~missing; }
 
   Decision request(core::Request request, std::int64_t now_us);

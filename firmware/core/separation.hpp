@@ -16,6 +16,7 @@
 //   D(w) < D for a vessel with right of way, w: desired now, or straight to the slot
 //           ⇒ w ← argmin of |w − w_e| over all w with h(w) ≥ 0; if there is none, argmax of h(w)
 //             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2
+//             a w on a closed course only if no other has h(w) ≥ 0; there, h is D_min less
 //   w_e    = w_S − R(k_t τ) e / T_e                                  aim: in the slot within T_e
 //   D      = D_min (k_y − (k_y − k_h) min(1, τ/T_n)), k_h D_min for a vessel without right of way
 //   u* n  ≤ L((|p| − m − k_h D_min)/2) + k_v max(0, vᵀ p/|p|)        n = cos of the bearing
@@ -38,8 +39,10 @@
 // for each other: one of them has the way, and the other makes room. A boat that gets nowhere turns
 // its aim to starboard, until it finds a way round, and is content with less room (T_n).
 //
-// From a stranger the boat keeps (k_e − k_y) D_min more, and it turns to port only if nothing else is
-// clear or it got nowhere for 10 s (COLREGs, rules 14, 15 and 17).
+// A course is closed if the boat cannot stop on it within its fence (app/guidance/fence_watch.hpp).
+//
+// From a stranger the boat keeps (k_e − k_y) D_min more, and it turns to port only if no other open
+// course is clear or it got nowhere for 10 s (COLREGs, rules 14, 15 and 17).
 //
 // The limit of u* binds every boat, also one with right of way: where both obey it, they stay
 // k_h D_min apart. Slots must be farther apart than k_e D_min.
@@ -52,6 +55,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/allocation.hpp"
 #include "core/virtual_velocity.hpp"
@@ -70,10 +74,14 @@ struct OtherVessel {
 
 constexpr std::size_t kMaxVessels = 8;
 
+/// Among which a boat that yields chooses, from north on.
+constexpr unsigned kCourses = 16;
+
 template <class S>
 struct Traffic {
   std::array<OtherVessel<S>, kMaxVessels> vessels{};
   std::size_t count = 0;
+  std::uint16_t closed = 0;  ///< courses, a bit each from the lowest on
 };
 
 template <class S>
@@ -284,7 +292,7 @@ S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
 template <class S>
 struct Choice {
   Vec2<S> w_n{};
-  int rank = -1;  ///< 2: clear; 1: clear, but to port of a stranger; 0: not clear
+  int rank = -1;  ///< 4: clear; 3: and to port of a stranger; 2, 1: the same, closed; 0: not clear
   S cost{};
 };
 
@@ -296,6 +304,19 @@ Vec2<S> aim(const SeparationParams<S>& params, const SeparationState<S>& state,
   return {intent.slot_n.x + q.x / params.eager, intent.slot_n.y + q.y / params.eager};
 }
 
+/// Whether w lies within half a course of a closed one.
+template <class S>
+bool is_closed(std::uint16_t closed, const Vec2<S>& w) {
+  if (closed == 0 || !(S(0) < length(w))) return false;
+  const S apart = S(0.39269908169872414), half = S(0.5);  // π/8
+  S angle = atan2(w.y, w.x) + half * apart;
+  unsigned course = angle < S(0) ? kCourses - 1 : 0;
+  for (angle = abs(angle); apart < angle; angle = angle - apart) {
+    course = (course + (course < kCourses / 2 ? 1 : kCourses - 1)) % kCourses;
+  }
+  return (closed >> course & 1U) != 0;
+}
+
 template <class S>
 Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
                const SeparationInput<S>& in, bool stranger) {
@@ -303,12 +324,15 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
   const Vec2<S> w_e = aim(params, state, intent);
   const bool by_rule = stranger && state.stuck_s < params.stranger_s;
   Choice<S> best{};
+  const std::uint16_t closed_courses = in.traffic.closed;
   const auto consider = [&](const Vec2<S>& w, S bonus) {
+    const bool closed = is_closed(closed_courses, w);
     const S h = clearance(params, state, in, w) + bonus * params.least;
     const Vec2<S>& ahead = intent.straight_n;
     const bool to_port = by_rule && ahead.x * w.y - ahead.y * w.x < S(-0.02);
-    const int rank = h < S(0) ? 0 : (to_port ? 1 : 2);
-    const S cost = rank == 0 ? -h : length(minus(w, w_e)) - bonus * intent.fastest;
+    const int rank = h < S(0) ? 0 : (closed ? 2 : 4) - (to_port ? 1 : 0);
+    const S cost = rank == 0 ? (closed ? params.least : S(0)) - h
+                             : length(minus(w, w_e)) - bonus * intent.fastest;
     if (best.rank < rank || (best.rank == rank && cost < best.cost)) best = {w, rank, cost};
   };
   consider(Vec2<S>{}, S(0));
@@ -317,7 +341,7 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
   if (state.yielding) consider(state.w_n, stranger ? S(0) : params.same);
   const S c = S(0.92387953251128674), s = S(0.38268343236508977);  // cos, sin of π/8
   Vec2<S> course = {intent.fastest, S(0)};
-  for (int k = 0; k < 16; ++k) {
+  for (unsigned k = 0; k < kCourses; ++k) {
     consider(course, S(0));
     consider({S(0.5) * course.x, S(0.5) * course.y}, S(0));
     course = {c * course.x - s * course.y, s * course.x + c * course.y};

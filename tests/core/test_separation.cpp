@@ -395,5 +395,24 @@ TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not
   }
 }
 
+TEST_CASE("a boat gives way on a closed course only where nothing else is clear") {
+  constexpr std::uint16_t kEastward = 0x00FE, kAll = 0xFFFF;
+  for (const std::uint16_t closed : {std::uint16_t{0}, kEastward, kAll}) {
+    Sailor boat({0, 0, 0, 0.5, 0, 0});
+    double least = 1e9, east = 0;
+    for (int k = 0; k < 4000; ++k) {
+      const double t = boat.h * k;
+      const Vec2<double> to = minus(Vec2<double>{20 - 0.5 * t, 0}, boat.place());
+      auto traffic = only({to, {-0.5, 0}, 0, true, true});
+      traffic.closed = closed;
+      boat.sail(leader_at(0.5 * t, 0), traffic);
+      least = std::min(least, length(to));
+      east = std::max(east, boat.place().y);
+    }
+    CHECK(least > kMin);
+    CHECK((east > 0.5) == (closed != kEastward));  // the rules ask for starboard
+  }
+}
+
 }  // namespace
 }  // namespace flotilla::core

@@ -197,7 +197,7 @@ def judge(wish: Wish, eta: Array, states: Array, *, turns: bool) -> Change:
         nearest_m=nearest_m(eta),
         arrived_s=STEP_S * first if len(still) else np.inf,
         asked_s=float(intercept_s(-to[0], speed).max()) + SPARE_S,
-        later_m=float(far[first:].max(initial=0.0)),
+        later_m=float(far[first:].max(initial=0.0)) if len(still) else np.inf,
         off_m=off_m,
         idle=int((~np.isin(states, sails)).sum()),
     )

@@ -37,6 +37,10 @@ from tests.target.stations import (
     HOLD,
     SET_MODE,
     TEMPORARILY_REJECTED,
+    Station,
+    heartbeat,
+    local_position,
+    origin,
 )
 from tests.target.test_auto import AUTO, SET_CURRENT, at_sea, place, sailing
 from tests.target.test_long_texts import sentences
@@ -354,3 +358,22 @@ def test_a_place_that_is_lost_counts_as_outside() -> None:
     sea.own.on = False
     sea.run(1.0)
     assert sea.state == "HOLD" and not any(sea.commands)
+
+
+def test_a_boat_gives_way_inside_its_fence() -> None:
+    """The rules of the road ask for starboard, where the fence is: the boat goes to port."""
+    fence = corners(KEEP_IN, [(-20, -20), (60, -20), (60, 3), (-20, 3)])
+    sea = fenced([at(1, 0), at(40, 0)], fence, {"FS_SEP_M": 2.0})
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+    stranger, ship = Station(BOAT + 1), Course(30.0, 0.0, math.pi, 0.5)
+    sea.say(heartbeat(mavlink.MAV_TYPE_SURFACE_BOAT), origin(sea.now_us), sender=stranger)
+    least, farthest = math.inf, 0.0
+    for tenth in range(1300):
+        there = ship.at(0.1 * tenth)
+        sea.say(local_position(there, sea.now_us), sender=stranger)
+        sea.run(0.1)
+        north, east = place(sea)
+        farthest = max(farthest, east)
+        least = min(least, math.hypot(north - there.north, east - there.east))
+    assert least > 2.0 and farthest < 3.0
+    assert sea.state == "AUTO" and place(sea) == pytest.approx((40.0, 0.0), abs=0.1)

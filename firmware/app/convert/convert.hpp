@@ -72,9 +72,10 @@ std::optional<Sample<S>> sample_of(const link::FollowTarget& message,
 template <class S = double>
 std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& message);
 
-/// Of a vessel that an AIS receiver heard: its age on arrival, and how far its hull reaches from the
-/// position, m (0: unknown). Without a course or a speed it lies still; nothing if there is no fix,
-/// or a ship cannot be that fast. Rests below 0.3 m/s, or below 3 kn at anchor, moored or aground.
+/// A vessel that an AIS receiver reports: the report's age on arrival, and how far the hull reaches
+/// from the position, m (0: unknown). Without a course or a speed the vessel counts as still.
+/// Nothing if there is no fix, or no ship can be that fast. The vessel rests below 0.3 m/s, or
+/// below 3 kn at anchor, moored or aground.
 template <class S>
 struct AisReport {
   Sample<S> sample;  ///< heading: the course
@@ -111,7 +112,7 @@ GlobalPoint global_of(const Position& position);
 /// Rejects latitudes over 89°, longitudes over 180°, and 0, 0, which units without a fix send.
 bool is_valid(const link::GpsGlobalOrigin& origin);
 
-/// Greatest distance for one plane: five times the farthest slot.
+/// Greatest distance for one plane: five times the greatest FORM_OFS_N or FORM_OFS_E.
 constexpr float kNear_m = 5000;
 
 /// A greatest distance, and a side of a square that lies within it.
@@ -148,7 +149,7 @@ core::ControllerInput<S> controller_input_of(const Position& own, const core::Mo
                                              const Position& leader,
                                              const core::Motion<S>& leader_motion);
 
-/// A script's velocities, in double, for the law.
+/// Converts a script's velocities from double to the law's scalar.
 template <class S>
 core::Drive<S> drive_of(const core::Drive<double>& told) {
   core::Drive<S> out{scalar<S>(told.u), scalar<S>(told.r), {}};

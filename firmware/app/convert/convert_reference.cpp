@@ -11,7 +11,7 @@ namespace flotilla::app::convert {
 namespace {
 
 constexpr int kParts = 1024, kHeadingParts = 8192, kTurnParts = 4096;
-constexpr int kSurgeSteps = 4, kTurnSteps = 8;  // parts of a change of FORMATION_FUTURE
+constexpr int kSurgeSteps = 4, kTurnSteps = 8;  // parts per unit of a change in FORMATION_FUTURE
 constexpr int kMetresShift = 22;                // from Metres' 2⁻³² m to 2⁻¹⁰ m
 constexpr std::int64_t kFarthest = std::int64_t{1'000'000} * kParts;
 constexpr std::int32_t kFarthestSlot = 100'000 * kParts;

@@ -37,16 +37,17 @@ template <class S>
 std::optional<RootState<S>> root_state_of(const link::FormationReference& message,
                                           std::int32_t altitude_mm);
 
-/// A message with this motion and zeros else; nothing if a value exceeds the message's range.
+/// A message with this motion and zeros in the other fields; nothing if a value exceeds the
+/// message's range.
 template <class S>
 std::optional<link::FormationReference> reference_of(const RootState<S>& root);
 
-/// Nothing if no boat sails so.
+/// Nothing if no boat can sail like this.
 template <class S>
 std::optional<core::Future<S>> future_of(const link::FormationFuture& message);
 
-/// A message with this future, as near to it as the message can tell, and zeros else; nothing if it
-/// exceeds the message's range.
+/// A message with this future, as precise as the message allows, and zeros in the other fields;
+/// nothing if the future exceeds the message's range.
 template <class S>
 std::optional<link::FormationFuture> message_of(const core::Future<S>& future);
 

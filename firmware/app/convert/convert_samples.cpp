@@ -111,7 +111,8 @@ Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
   return {stamp_us, 0, 0, psi, S(0), S(0), heading.r_radps};
 }
 
-/// At anchor or moored up to 3 kn, as the standard has it: a status may be out of date.
+/// A vessel that reports itself at anchor, moored or aground rests up to 3 kn, as in ITU-R M.1371:
+/// a faster one has an outdated status.
 bool rests(const link::AisVessel& m) {
   namespace mav = link::mav;
   constexpr int kStill_cmps = 30, kDrifts_cmps = 154;
@@ -239,7 +240,7 @@ std::optional<AisReport<S>> ais_report_of(const link::AisVessel& m) {
   const bool moves = (m.flags & kMoves) == kMoves && m.COG < kFullTurn_cdeg;
   if (!is_fix(m.lat, m.lon) || (m.flags & mav::kAisFast) != 0) return std::nullopt;
   if (moves && m.velocity > kFastest_cmps) return std::nullopt;
-  // Whole seconds, cut off.
+  // tslc counts whole seconds, rounded down: adds one.
   AisReport<S> out{{}, (std::int64_t{m.tslc} + 1) * 1'000'000, S(0), rests(m)};
   out.sample.at = {m.lat, m.lon};
   if (moves) {

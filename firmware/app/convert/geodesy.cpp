@@ -46,7 +46,7 @@ Vec3 Plane::sea_level(const NorthEast& local) const {
   const double n = local.north_m * scale_, e = local.east_m * scale_;
   const Vec3 above{origin_.x + n * north_.x + e * east_.x, origin_.y + n * north_.y + e * east_.y,
                    origin_.z + n * north_.z + e * east_.z};
-  // |scaled(above + t down)| = 1; of the two solutions the nearer.
+  // |scaled(above + t down)| = 1; takes the nearer of the two solutions.
   const Vec3 p = scaled(above), d = scaled(down_);
   const double b = -dot(p, d), c = dot(p, p) - 1;
   const double t = c / (b + portable::root(b * b - dot(d, d) * c));

@@ -70,7 +70,8 @@ core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p, float share)
 
 template <class S>
 core::PlausibilityLimits<S> plausibility_limits(const Parameters& p, bool carried) {
-  // Twice the model's values, which may be half wrong. A current of 2 m/s may begin at once.
+  // Twice the model's values, because the model may be wrong by half. A current of 2 m/s may begin
+  // at once.
   const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
   const float moment = p.THR_ARM * thrust;
   const auto within = [](float most, float x) { return scalar<S>(std::min(x, most)); };
@@ -95,8 +96,8 @@ core::ForesightLimits<S> foresight_limits(const Parameters& p) {
           scalar<S>(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 4 : kAny)};
 }
 
-/// What the hull can follow with a quarter of its thrust, and what the law may demand; the rest is
-/// for its errors.
+/// Limits of the planned motion: the hull can follow it with a quarter of its thrust and half of
+/// LAW_R_MAX. The law corrects its errors with the rest.
 template <class S>
 core::RouteParams<S> route_params(const Parameters& p) {
   const float force = p.THR_FWD_MAX / 2, moment = p.THR_ARM * std::min(force, p.THR_REV_MAX / 2);

@@ -4,8 +4,8 @@
 //
 //   value = raw / 2³²      one LSB = 0.23 nm      saturates at ±2³⁰ m
 //
-// Accepted positions lie within 10⁶ m of their origin, or 10⁷ m in another's plane: sums of a
-// hundred do not wrap.
+// Accepted positions lie within 10⁶ m of their origin, or 10⁷ m in another's plane, so a sum of a
+// hundred of them does not wrap.
 #pragma once
 
 #include <bit>

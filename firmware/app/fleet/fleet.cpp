@@ -20,12 +20,15 @@ constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 constexpr std::int64_t kMore_us = 200'000;
 // Only the leader knows its plan: another boat that hears a request leaves it that long to it.
 constexpr std::int64_t kLeaders_us = 1'500'000;
-// In that time a boat gets a table that any member holds: a greater epoch is then no longer believed.
-constexpr std::int64_t kAhead_us = 10'000'000;
+// A boat gets a newer table within this time, if any member holds it. After that, a member that still
+// names the greater epoch is faulty: it no longer counts as a leader.
+constexpr std::uint32_t kAhead_ms = 10'000;
 // While a shape changes the slots are set anew that often; between, the law has their speed.
 constexpr std::int64_t kMove_us = 200'000;
 // Until boats have turned to the leader's course again, and are in their new slots.
 constexpr double kSettle_s = 15;
+
+std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
@@ -37,7 +40,8 @@ bool is_of(const FleetTable& table, std::uint8_t system) {
 }
 
 /// Whether a boat hears so many that they are more than half of the table with it. A smaller part
-/// may be cut off from one that still sails the plan: it waits, lest both sail on one line.
+/// may be cut off from one that still sails the plan: it waits, so that the two do not sail on one
+/// line.
 bool is_most(const FleetTable& table, std::size_t own, std::span<const FleetPeer> peers) {
   std::size_t heard = 1;
   for (std::size_t rank = 0; rank < table.count; ++rank) {
@@ -102,7 +106,7 @@ void Fleet::take(const FleetTable& table, std::int64_t valid_us, std::int64_t no
   if (!ledger_.take(table, valid_us, now_us)) return;
   if (wish_ && wish_->table.epoch <= table.epoch) wish_.reset();
   beacon_us_ = now_us;  // who lacks it asks
-  table_us_ = ahead_us_ = kNever;
+  table_us_ = kNever;
 }
 
 /// Whether it orders this boat to stop: as its member, or as one of a table that it replaces.
@@ -139,14 +143,16 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     const auto own = held.rank_of(system_);
     table_us_ = now_us + kTurn_us * static_cast<std::int64_t>(own.value_or(0));
   }
-  if (held.epoch < beacon.epoch && ahead_us_ == kNever) ahead_us_ = now_us;
-  const bool believed = ahead_us_ == kNever || now_us - ahead_us_ < kAhead_us;
   const auto now_rank = rank_in(ledger_.current(), from);
   if (!now_rank) return;
+  std::uint32_t& ahead_ms = heard_[*now_rank].ahead_ms;
+  if (beacon.epoch <= held.epoch) ahead_ms = 0;
+  if (held.epoch < beacon.epoch && ahead_ms == 0)
+    ahead_ms = std::max<std::uint32_t>(ms_of(now_us), 1);
   FleetPeer& peer = peers_[*now_rank];
   peer.fit = (beacon.flags & kFit) != 0;
   peer.leads = (beacon.flags & kLeads) != 0;
-  peer.epoch = believed ? beacon.epoch : std::min(beacon.epoch, held.epoch);
+  peer.epoch = beacon.epoch;
   if (*now_rank == succession_.leader() && peer.leads) {
     place_ = {beacon.plan_id, beacon.plan_item};
   }
@@ -196,7 +202,11 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
 void Fleet::listen(std::int64_t limit_us, std::int64_t now_us) {
   const FleetTable& table = *ledger_.current();
   for (std::size_t rank = 0; rank < table.count; ++rank) {
-    peers_[rank].heard = now_us - heard_[rank].at_us < limit_us;
+    const Heard& heard = heard_[rank];
+    FleetPeer& peer = peers_[rank];
+    peer.heard = now_us - heard.at_us < limit_us;
+    const bool faulty = heard.ahead_ms != 0 && ms_of(now_us) - heard.ahead_ms >= kAhead_ms;
+    peer.leads = peer.leads && !faulty;
   }
 }
 

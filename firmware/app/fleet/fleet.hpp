@@ -53,7 +53,7 @@ class Fleet {
   /// applied() has changed since the last call.
   bool take_change() { return std::exchange(changed_, false); }
 
-  /// The parameters with whom the boat follows, and its slot, by the table if there is one.
+  /// The parameters, with leader and slot by the table if there is one.
   Parameters applied(const Parameters& own) const;
 
   /// False for a system that is no member of the table that gives the boat its slot.
@@ -98,6 +98,8 @@ class Fleet {
   /// A member sends its beacons and all else from one component; 0: no beacon was heard yet.
   struct Heard {
     std::int64_t at_us = kNever;
+    std::uint32_t ahead_ms =
+        0;  // since when it names a greater epoch than this boat's; 0: it does not
     std::uint8_t component = 0;
   };
 
@@ -139,7 +141,6 @@ class Fleet {
   bool asks_ = false;                               // without a table
   std::int64_t beacon_us_ = 0, table_us_ = kNever;  // due
   std::int64_t passed_us_ = kNever;                 // the newest table was last heard or sent
-  std::int64_t ahead_us_ = kNever;  // a beacon first named an epoch that is not held
   std::uint8_t system_ = 0;
   std::optional<TableVerdict> refusal_;
   std::optional<std::uint16_t> told_epoch_;

@@ -14,8 +14,8 @@ namespace flotilla::app {
 
 constexpr double kMoveRamp_s = 5;
 
-/// Half the time in which a boat turns about at the default LAW_R_MAX: it begins so long before its
-/// place reverses.
+/// A boat turns about in some 6 s with the default gains, and begins that long before its place
+/// reverses.
 constexpr double kTurnAhead_s = 3;
 
 struct FleetMove {

@@ -93,7 +93,7 @@ bool Succession::first_fit(const FleetTable& table, std::size_t own,
 }
 
 /// The nearest member above that has not failed; the fleet's leader, if there is none or it is
-/// somebody else than the table's. While no leader is known, whom the boat followed before.
+/// somebody else than the table's. While no leader is known, the boat keeps the one before.
 void Succession::hang(const FleetTable& table, std::size_t own) {
   std::optional<std::size_t> above = table.rank_of(table.members[own].leader);
   while (above && *above != leader_ && (out_ & bit(*above)) != 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who leads the fleet, and whom a boat follows, by the rule of the table: nobody votes.
+// Chooses the fleet's leader, and the boat to follow, by the rule of the table: nobody votes.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The fleet's table: its members by rank, whom each follows, their places in the shape.
+// The fleet's table: its members by rank, each one's leader and place in the shape.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ struct FleetTable {
   std::optional<std::size_t> rank_of(std::uint8_t system) const;
 };
 
-/// Why a table is refused, and because of which members.
+/// The reason for which a table is refused.
 enum class TableFault : std::uint8_t {
   kNone,
   kEmpty,     ///< no members, or epoch 0

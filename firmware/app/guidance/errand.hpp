@@ -10,7 +10,7 @@
 
 namespace flotilla::app {
 
-/// Errands lead no farther than this; with it, the planner stays within its tested range.
+/// Greatest distance to an errand's places. It keeps the planner within its tested range.
 constexpr float kErrandReach_m = 2900;
 
 /// A place to sail to.
@@ -21,16 +21,16 @@ struct Target {
 
 class Errand {
  public:
-  /// Bends that the way to a target may have.
+  /// Greatest number of bends on the way to a target.
   static constexpr std::size_t kBends = 4;
 
-  /// To the target, and waits there.
+  /// Sails to the target, and waits there.
   void sail_to(const Target& target);
 
-  /// By these places first, at most kBends, passing within radius_m of them.
+  /// Sails by these places first, at most kBends, passing within radius_m of them.
   void sail_by(std::span<const convert::GlobalPoint> bends, float radius_m, const Target& target);
 
-  /// Where it ends.
+  /// The end of the errand.
   Target target() const;
 
   Plan plan() const { return Plan(items_).first(count_); }

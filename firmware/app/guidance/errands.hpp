@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the boat sails in GUIDED, LOITER and RTL: an errand, or, where the straight way there leaves
-// the fence, a wait while a way round is looked for, and then that way.
+// The errand of GUIDED, LOITER or RTL. If the straight way leaves the fence, the boat waits while
+// it searches for a way round, and then sails that.
 #pragma once
 
 #include <string_view>
@@ -16,18 +16,18 @@ class Errands {
  public:
   void sail_to(const Target& target);
 
-  /// The same, but waits at a place `meanwhile` if a way round has to be found.
+  /// The same, but waits at `meanwhile` if it has to search for a way round.
   void sail_round(const Fence& fence, const convert::Position& here, const Target& target,
                   const Target& meanwhile, float margin_m);
 
-  /// Once a tick: looks further for a way round. True if plan() has changed.
+  /// Call once a tick: continues the search for a way round. True if plan() has changed.
   [[nodiscard]] bool look_for_way(const Fence& fence);
 
   Plan plan() const { return errand_.plan(); }
-  /// Where plan() ends.
+  /// The end of plan().
   Target goal() const { return errand_.target(); }
 
-  /// News of the way for the operator, once; empty: none.
+  /// A sentence about the search for the operator, once; empty: none.
   std::string_view take_news() { return std::exchange(news_, {}); }
 
  private:

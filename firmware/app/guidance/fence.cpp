@@ -23,8 +23,8 @@ bool same_place(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) 
   return a.latitude == b.latitude && a.longitude == b.longitude && a.altitude == b.altitude;
 }
 
-/// Away from the edges' wedge of angle θ by off / sin ½θ, but at most 4 off: at a sharper corner no
-/// leg beside it keeps that distance.
+/// The place outside a corner of angle θ, at off / sin ½θ from it, but at most 4 off: legs along a
+/// sharper corner come nearer than `off`.
 std::optional<Fence::Place> beside_corner(std::span<const Fence::Place> corners, std::size_t i,
                                           Q16 off) {
   constexpr Q16 kStraight = Q16(0.02);
@@ -45,7 +45,7 @@ std::optional<Fence::Place> beside_corner(std::span<const Fence::Place> corners,
                       here.y - core::scaled(away, sum.y, twice_cos)};
 }
 
-/// Its edges keep `off` from the circle.
+/// A corner of the octagon whose edges keep `off` from the circle.
 Fence::Place on_octagon(const core::Zone<Q16>& zone, std::size_t part, Q16 off) {
   constexpr Q16 kPerCos = Q16(1.0824), kSlant = Q16(0.70711);  // 1 / cos 22.5°, cos 45°
   constexpr std::array<std::array<int, 2>, Fence::kBends> kWays{
@@ -70,7 +70,8 @@ void Fence::locate(const link::GpsGlobalOrigin& origin) {
   draw();
 }
 
-/// In the plane of the boat's origin if that is near, else in the plane of the first item.
+/// Draws the map in the plane of the boat's origin if that is near, else in the plane of the first
+/// item.
 void Fence::draw() {
   ++drawn_;
   if (items_.empty()) return;
@@ -127,7 +128,7 @@ std::optional<Fence::Place> Fence::bend(std::size_t number, Length off) const {
   std::optional<Place> out;
   std::size_t at = 0;
   for_each_zone([&](const core::Zone<Q16>& zone) {
-    const std::size_t i = item - at;  // wraps before the zone
+    const std::size_t i = item - at;  // wraps if the item is before the zone
     at += zone.corners.size();
     if (i >= zone.corners.size()) return;
     if (zone.corners.size() > 1) {

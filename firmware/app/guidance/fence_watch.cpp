@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "app/convert/convert_scalar.hpp"
+#include "core/rotation.hpp"
+#include "core/separation.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -11,6 +13,7 @@ namespace {
 using core::Q16;
 
 constexpr int kFastest_mps = 20, kLongest_m = 2000;
+constexpr Q16 kTolerance = Q16(0.1);  // of the clearance outside, m
 
 Q16 way_to_rest(Q16 speed, const Configuration::Stopping& stopping) {
   const Q16 u = core::min(speed, Q16(kFastest_mps));
@@ -60,6 +63,24 @@ bool FenceWatch::judge(const Fence& fence, const Fence::Place& place,
   const core::Vec2<Q16> way{core::scaled(rest, velocity_n.x, speed),
                             core::scaled(rest, velocity_n.y, speed)};
   return Q16(0) < fence.clearance(place, {place.x + way.x, place.y + way.y});
+}
+
+std::uint16_t FenceWatch::closed_courses(const Fence& fence, const convert::Position& place,
+                                         const Configuration::Stopping& stopping, Q16 speed) {
+  const auto here = fence.is_on() ? fence.on_map(place) : std::nullopt;
+  if (!here) return 0;
+  const Q16 now = fence.clearance(*here), reach = Q16(2) * way_to_rest(speed, stopping);
+  if (reach < now) return 0;
+  std::uint16_t closed = 0;
+  for (unsigned k = 0; k < core::kCourses; ++k) {
+    const Q16 angle = Q16(static_cast<int>(k)) * Q16(0.39269908169872414);  // π/8
+    const core::Vec2<Q16> way = core::to_north_east(angle, core::Vec2<Q16>{reach, Q16(0)});
+    const Q16 clear = fence.clearance(*here, {here->x + way.x, here->y + way.y});
+    // On a leg that crosses an edge the clearance is 0.
+    const bool leaves = Q16(0) < now ? !(Q16(0) < clear) : clear < now - kTolerance;
+    if (leaves) closed = static_cast<std::uint16_t>(closed | 1U << k);
+  }
+  return closed;
 }
 
 void FenceWatch::note(bool outside, std::int64_t now_us) {

@@ -47,7 +47,7 @@ FleetReports::Member* FleetReports::find(std::uint8_t system) {
   return found == used.end() ? nullptr : &*found;
 }
 
-/// A boat that is too many is not waited for.
+/// Nobody waits for a boat that has no room in the table.
 void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t now_us) {
   Member* member = find(system);
   if (!follows) {

@@ -14,27 +14,28 @@ namespace flotilla::app {
 
 class FleetReports {
  public:
-  /// wait_us: how long to wait for one boat at most, and then for as long as it was back meanwhile,
-  /// so that a boat that falls out again and again stops nobody for ever.
+  /// wait_us: the longest wait for one boat. Time that the boat then spends in its slot permits a
+  /// further wait of the same length, so a boat that falls out repeatedly cannot stop the others
+  /// for ever.
   void configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us);
 
   void hear(const link::Received& received, std::int64_t now_us);
 
-  /// A boat whose slot moves with this one, that was in its slot, says that it is no more, and has
-  /// not been waited for too long.
+  /// System id of a boat that follows this one, was in its slot, now reports that it is out of it,
+  /// and has not been waited for too long.
   std::optional<std::uint8_t> late(std::int64_t now_us) const;
 
-  /// The leader, armed, says that it is in RTL.
+  /// The leader reports that it is armed and in RTL.
   bool leader_returns(std::int64_t now_us) const;
 
  private:
   struct Member {
     std::uint8_t system = 0;  ///< 0: a free entry
-    bool was_in = false;      ///< its slot, since it was heard first
-    bool out = false;         ///< of it now
+    bool was_in = false;      ///< has been in its slot
+    bool out = false;         ///< out of its slot now
     std::int64_t heard_us = 0;
     std::int64_t since_us = 0;   ///< of `out`
-    std::int64_t waited_us = 0;  ///< until then, less the time in its slot
+    std::int64_t waited_us = 0;  ///< up to since_us, less the time in its slot
 
     std::int64_t waited(std::int64_t now_us) const;
     void note(bool is_out, std::int64_t now_us, std::int64_t most_us);
@@ -45,9 +46,9 @@ class FleetReports {
 
   std::uint8_t own_ = 0, leader_ = 0;
   std::int64_t wait_us_ = 0;
-  std::optional<std::int64_t> return_us_;  // when the leader said so last
+  std::optional<std::int64_t> return_us_;  // last report of RTL by the leader
   std::array<Member, 24> members_{};
-  std::size_t used_ = 0;  // behind it all are free
+  std::size_t used_ = 0;  // entries from here on are free
 };
 
 }  // namespace flotilla::app

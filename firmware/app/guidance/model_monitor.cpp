@@ -10,18 +10,19 @@ namespace {
 
 constexpr int kLeastBlocks = 12;    // a minute
 constexpr float kTurnShare = 0.6F;  // of LAW_R_MAX
-// Applied within a block of 5 s: 5 % of a propeller's thrust, 12 % of the drag in a minute.
+// Greatest change per block of 5 s: 5 % of a propeller's thrust and 12 % of the drag in a minute.
 constexpr float kBalanceStep = 0.004F, kDragStep = 0.01F;
 constexpr float kMostBalance = 0.3F, kLeastDrag = 0.4F, kMostDrag = 2.5F;
 
-/// Errors that are told: above, below 0; standard deviation of one that is known.
+/// Sizes from which an error is reported, above and below 0; greatest standard deviation of an
+/// error that counts as known.
 struct Limits {
   float above, below, known;
 };
 constexpr std::array<Limits, ModelMonitor::kNumbers> kLimits{
     {{0.025F, 0.025F, 0.02F}, {0.4F, 0.3F, 0.15F}, {0.75F, 0.4F, 0.15F}}};
 
-/// With another one of these, what was learnt is forgotten; LEARN_APPLY and THR_BALANCE are first.
+/// A change of one of these discards the estimates. LEARN_APPLY and THR_BALANCE are first.
 constexpr std::array<float Parameters::*, ModelMonitor::kOfModels> kOfModel{
     &Parameters::LEARN_APPLY, &Parameters::THR_BALANCE, &Parameters::VES_M11,
     &Parameters::VES_M22,     &Parameters::VES_M33,     &Parameters::VES_D11,
@@ -79,7 +80,7 @@ bool ModelMonitor::take(const core::Impulse<float>& given, const core::Nu<float>
 
 void ModelMonitor::interrupt() { core::model_error_interrupt(state_); }
 
-/// applied: THR_BALANCE's change, or the factor, that the model has already.
+/// applied: the change of THR_BALANCE, or the factor, that the model already contains.
 void ModelMonitor::judge(Number number, const core::Share<float>& error, float applied,
                          std::int64_t now_us) {
   const Limits& limits = kLimits[index_of(number)];
@@ -103,7 +104,7 @@ void ModelMonitor::judge(Number number, const core::Share<float>& error, float a
   one.told = one.value;
 }
 
-/// Moves what is told a step from the filters into the model.
+/// Moves one step of each reported error from the filters into the model.
 bool ModelMonitor::apply() {
   const auto step = [&](Number number, float error, float most) {
     const Judged& one = judged_[index_of(number)];

@@ -24,26 +24,26 @@ class ModelMonitor {
     std::int64_t since_us = 0;
   };
 
-  /// Other numbers of the hull, the propellers, or LEARN_APPLY: forgets what it has learnt. r_max:
-  /// greatest yaw rate of the law, 0: no limit.
+  /// A change of the hull's or the propellers' numbers, or of LEARN_APPLY, discards the estimates.
+  /// r_max_radps: greatest yaw rate of the law, 0: no limit.
   void configure(const Parameters& p, float r_max_radps);
 
-  /// The same parameters with what LEARN_APPLY has applied so far.
+  /// The parameters with the corrections that LEARN_APPLY has applied so far.
   Parameters applied(const Parameters& p) const;
 
   /// take() is for impulses that last for at least this long.
   static constexpr float kSample_s = 0.1F;
 
-  /// The impulse given since the last call; velocity, heading, and the current's estimate at its end.
-  /// True if applied() has changed.
+  /// Takes the impulse given since the last call, and the velocity, the heading and the estimated
+  /// current at its end. True if applied() has changed.
   [[nodiscard]] bool take(const core::Impulse<float>& given, const core::Nu<float>& nu,
                           const core::SinCos<float>& heading, const core::Vec2<float>& current_n,
                           std::int64_t now_us);
 
-  /// The law does not drive, or the motion is unknown.
+  /// Call while the law does not drive, or the motion is unknown.
   void interrupt();
 
-  /// A number that looks wrong, once, and again when it has changed by as much as is worth telling.
+  /// A number that looks wrong: once, and again after a change that is worth reporting.
   std::optional<Finding> take_finding();
 
   /// The number's value while it looks wrong or is being applied.

@@ -10,9 +10,8 @@
 //  U, r, U̇      leader's velocity, yaw rate, acceleration            m/s, rad/s, m/s²
 //  d, w, ẇ      slot; its velocity and acceleration in the shape     m, m/s, m/s²
 //
-// Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat turns to
-// V_s, and does not follow the slot's last metre astern. Otherwise it would turn after the slot, and be
-// left behind.
+// Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat already
+// turns to V_s. A boat that turned with its slot would be left behind.
 //
 // Not in paper, where slots rest in the shape. The leader's ṙ is left out.
 #pragma once
@@ -50,9 +49,10 @@ Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot, core::
   lead.motion.nu = {speed, S(0), (V.x * V_dot.y - V.y * V_dot.x) / (q * q)};
   lead.motion.nu_dot = {(V.x * V_dot.x + V.y * V_dot.y) / q, S(0), S(0)};
   const core::Vec2<S> V_soon{swept.x + w_soon.x, swept.y + w_soon.y};
-  if (V.x * V_soon.x + V.y * V_soon.y < S(0)) {
+  const S speed_soon = core::hypot(V_soon.x, V_soon.y);
+  if (V.x * V_soon.x + V.y * V_soon.y < S(0) && S(0.1) < speed_soon) {
     lead.motion.psi = core::wrap_pi(psi_L + core::atan2(V_soon.y, V_soon.x));
-    lead.motion.nu = {core::hypot(V_soon.x, V_soon.y), S(0), S(0)};
+    lead.motion.nu = {speed_soon, S(0), S(0)};
     lead.motion.nu_dot = {};
   }
   lead.slot.moves = true;

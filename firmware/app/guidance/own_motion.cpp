@@ -9,7 +9,7 @@ namespace {
 
 // Another own source must take over before FS_NAV_S stops the boat.
 constexpr std::int64_t kOwnPatience_us = 300'000;
-// A boat that is pushed must report motion before then, too.
+// A boat under thrust must report motion before then, too.
 constexpr std::int64_t kOwnFrozen_us = 300'000;
 
 bool tells_place(const link::Message& message) {
@@ -87,7 +87,7 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
   }
   if (latency_.estimates()) {
     core::impulse_forward(moment_, given, since);
-    if (!(moment_.time < S(0.025))) push_moment();  // a yaw rate tells nothing finer
+    if (!(moment_.time < S(0.025))) push_moment();  // a yaw rate resolves no shorter times
   }
   response_.push(law.controller, given, since);
   const core::Vessel<S>& vessel = law.controller.vessel;

@@ -36,7 +36,8 @@ class OwnMotion {
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }
-  /// A unit was first heard while the boat was armed. It is ignored, as it may be anybody's.
+  /// A unit was first heard while the boat was armed. The boat ignores it, because it may be
+  /// another's.
   bool take_stranger() { return std::exchange(stranger_, false); }
   const UnitQuality& quality() const { return quality_; }
   /// The unit's last GPS_RAW_INT, unless it is two seconds old.
@@ -71,14 +72,14 @@ class OwnMotion {
   core::ObserverParams<S> careful(const core::ObserverParams<S>& params) const;
 
   VesselTrack<S> track_;
-  std::optional<std::size_t> named_link_, link_;  // NAV_LINK; by which the states come
+  std::optional<std::size_t> named_link_, link_;  // NAV_LINK; the link that brings the states
   core::Observer<S> observer_{};
   convert::Position anchor_;
   bool armed_ = false;
   bool stranger_ = false;
   UnitLatency latency_;
   core::Impulse<S> moment_{};  // given since latency_ last took one
-  S since_fix_{};              // that latency_ took
+  S since_fix_{};              // since the fix that latency_ took last
   UnitQuality quality_;
   link::GpsRawInt gps_{};
   std::optional<std::int64_t> gps_us_;

@@ -216,7 +216,8 @@ core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
   if (!neighbours_.any(now_us)) return step_law(nullptr, dt);
-  const auto traffic = neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us);
+  auto traffic = neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us);
+  traffic.closed = closed_courses_;
   return step_law(&traffic, dt);
 }
 

@@ -66,6 +66,14 @@ class Pilot {
   }
   bool slot_moves() const { return slot_moves_; }
 
+  /// Courses of core::kCourses, a bit each, on which the boat does not give way if it can help it.
+  void close_courses(std::uint16_t closed) { closed_courses_ = closed; }
+  /// When it gives way, m/s.
+  S fastest() const {
+    const core::ControllerParams<S>& law = law_.controller;
+    return S(0) < law.outer.u_max ? law.outer.u_max : law.separation.least;
+  }
+
   /// System id of the leader.
   std::uint8_t leader() const { return leader_.system(); }
 
@@ -187,6 +195,7 @@ class Pilot {
 
   convert::Law<S> law_;
   bool slot_moves_ = false;
+  std::uint16_t closed_courses_ = 0;
   core::Vec2<S> slot_v_{}, slot_a_{}, slot_soon_v_{};
   Configuration::Navigation limits_;
   convert::Reach reach_{0};  // the farthest that the leader may be

@@ -11,7 +11,7 @@ namespace {
 
 namespace mav = link::mav;
 
-constexpr float kOctagon = 1.0824F;  // the distance of its corners from the centre, over its sides'
+constexpr float kOctagon = 1.0824F;  // distance of its corners / of its sides, from the centre
 constexpr float kLargestRadius_m = 100, kSlowest_mps = 0.05F, kFastest_mps = 5;
 /// Unused parameters are NaN.
 float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
@@ -30,10 +30,10 @@ bool is_pause(const PlanItem& item) {
   return item.command == mav::kNavDelay || item.command == mav::kConditionDelay;
 }
 
-/// 1: where the boat is then.
+/// Whether home becomes the boat's position at that time.
 bool sets_home_here(const PlanItem& item) { return or_zero(item.param[0]) == 1; }
 
-/// A loiter at 0, 0 is where the boat is then.
+/// Whether an item means the boat's position at that time: a loiter at 0, 0.
 bool is_here(const PlanItem& item) {
   return item.command != mav::kNavWaypoint && !turns(item) && !is_voyage(item) && item.x == 0 &&
          item.y == 0;
@@ -83,7 +83,8 @@ PlanFault fault_of_home(const PlanItem& item) {
   return sets_home_here(item) ? PlanFault{} : fault_of_place(item);
 }
 
-/// Judges the last item, a jump. It leads back, over a place: so no jump goes round without progress.
+/// Judges the last item, a jump. It must lead back over a place, so that no loop is without
+/// progress.
 PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
   const PlanItem& item = plan.back();
   const float target = item.param[0], times = or_zero(item.param[1]);
@@ -213,7 +214,7 @@ void PlanReader::begin(Plan plan, std::size_t first, const PlanDefaults& default
   while (at_ < std::min(first, plan.size())) note(plan[at_++]);
 }
 
-/// Speed and home from here on.
+/// Notes the item's place, and the speed and home that it sets.
 void PlanReader::note(const PlanItem& item) {
   if (const auto place = place_of(item)) last_ = place;
   if (item.command == mav::kDoSetHome) home_ = sets_home_here(item) ? last_ : home_of(item);
@@ -223,7 +224,7 @@ void PlanReader::note(const PlanItem& item) {
   if (told_mps == -2) speed_mps_ = defaults_.speed_mps;
 }
 
-/// Counts it.
+/// Whether the jump is taken; counts it.
 bool PlanReader::takes_jump(const PlanItem& item) {
   const float times = or_zero(item.param[1]);
   for (Jump& jump : jumps_) {
@@ -245,8 +246,8 @@ PlanPoint PlanReader::point_of(const PlanItem& item, const convert::GlobalPoint&
   return {at_, place, speed_mps_, told_m > 0 ? told_m : defaults_.radius_m};
 }
 
-/// The next corner of an octagon round the circle, whose corners the vessel rounds. The first one is
-/// that towards the place before.
+/// The next corner of an octagon round the circle; the vessel rounds these corners. The first one
+/// is towards the place before.
 PlanPoint PlanReader::on_circle(const PlanItem& item) {
   constexpr std::array<std::array<float, 2>, 8> kWays{{{1, 0},
                                                        {0.70711F, 0.70711F},

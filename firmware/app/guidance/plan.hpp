@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A plan as a ground station sent it, item by item, and what its items mean for a boat.
+// A plan as a ground station sent it, item by item, and the meaning of its items for a boat.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ static_assert(sizeof(PlanItem) == 32);
 
 using Plan = std::span<const PlanItem>;
 
-/// Speed and radius where the plan gives none, and the fastest that it may ask for.
+/// Speed and radius where the plan gives none, and the greatest speed that it may ask for.
 using PlanDefaults = Configuration::Plan;
 
 /// All places of a plan lie within this distance of the first one.
@@ -34,10 +34,10 @@ constexpr float kPlanReach_m = 2000;
 /// The farthest that a boat may be from the place where its plan begins.
 constexpr float kPlanStart_m = 1000;
 
-/// Also of several waits at one place together: Q16.16 reaches to 32,767.
+/// Longest wait at one place, also the sum of several: Q16.16 reaches to 32,767.
 constexpr float kLongestWait_s = 30'000;
 
-/// Whether a MAV_FRAME is global: its altitudes, over whatever, are ignored.
+/// Whether a MAV_FRAME is global. Altitudes are ignored, whatever they refer to.
 bool is_global(std::uint8_t frame);
 
 /// Whether a boat may be asked for that speed.
@@ -57,22 +57,23 @@ PlanFault fault_of_place(const PlanItem& item);
 /// Judges whether an item's place is near enough to that of the first.
 PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item);
 
-/// Where an item of a plan leads; nothing if nowhere, or where the boat is then.
+/// The place to which an item leads; nothing if it names none, or means the boat's position at that
+/// time.
 std::optional<convert::GlobalPoint> place_of(const PlanItem& item);
 
-/// How far round its place an item leads, m; 0: not beyond it.
+/// How far from its place an item leads the boat, m; 0: not beyond it.
 float room_of(const PlanItem& item, const PlanDefaults& defaults);
 
 /// The item to which a jump leads.
 std::size_t jump_of(const PlanItem& item, const PlanDefaults& defaults);
 
-/// The place that an item makes home; nothing: where the boat is then.
+/// The place that an item makes home; nothing: the boat's position at that time.
 std::optional<convert::GlobalPoint> home_of(const PlanItem& item);
 
-/// Judges the last item of a plan, all others of which are sound.
+/// Judges the last item of a plan whose other items are sound.
 PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults);
 
-/// Judges a whole plan, each of whose items is sound.
+/// Judges a whole plan whose items are each sound.
 PlanFault fault_of(Plan plan);
 
 /// A point where the plan leads, and what happens there.
@@ -94,8 +95,8 @@ class PlanReader {
   void begin(Plan plan, std::size_t first, const PlanDefaults& defaults,
              const std::optional<convert::GlobalPoint>& home = {});
 
-  /// Nothing after the last point. A voyage that measures the hull ends the reading, unless it is
-  /// the item to begin with: where the plan goes on after it is decided then.
+  /// The next point; nothing after the last. A voyage that measures the hull ends the reading,
+  /// unless the reading begins with it: how the plan continues is decided after the voyage.
   std::optional<PlanPoint> next(Plan plan);
 
  private:

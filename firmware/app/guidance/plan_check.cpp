@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kItemsPerTick = 4;
 
-/// Where an item leads, a jump to the first place from its target on.
+/// The place to which an item leads; a jump leads to the first place at or after its target.
 std::optional<convert::GlobalPoint> aim_of(Plan plan, std::size_t item,
                                            const PlanDefaults& defaults, bool& jumps) {
   jumps = plan[item].command == link::mav::kDoJump;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a stored plan keeps the fence: judged a few legs a tick, as both may be long.
+// Checks whether a stored plan keeps the fence, a few legs per tick, because both may be long.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace flotilla::app {
 
 class PlanCheck {
  public:
-  /// After a change of the plan or the fence; judged: each leg was on its way in.
+  /// Begins again after a change of the plan or the fence. judged: each leg was judged on arrival.
   void begin(bool judged = false) {
     over_ = judged;
     from_.reset();
@@ -20,11 +20,11 @@ class PlanCheck {
     why_ = {};
   }
 
-  /// A few legs further. True if that has found the first fault.
+  /// Judges a few more legs. True if it found the first fault.
   bool forward(const Fence& fence, Plan plan, const PlanDefaults& defaults);
 
   bool is_over() const { return over_; }
-  /// The item that leaves the fence, and how; empty: none does, as far as was judged.
+  /// The item that leaves the fence, and why; an empty text: none does, as far as was judged.
   std::size_t item() const { return at_; }
   std::string_view why() const { return why_; }
 
@@ -36,7 +36,7 @@ class PlanCheck {
 };
 
 /// Judges the last item of a plan: its place, a circle round it, and the leg to it from the place
-/// before; of a jump the leg back.
+/// before; for a jump, the leg back.
 PlanFault fence_fault_of_last(const Fence& fence, Plan plan, const PlanDefaults& defaults);
 
 }  // namespace flotilla::app

@@ -11,9 +11,9 @@ namespace {
 
 constexpr float kLongestWay_m = 3000;  // the planner's tested range
 static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
-// The vessel waits for a boat that is so far from it, and slows down from the first of these on.
+// Distances of the boat, m: from the first on the vessel slows down, from the second on it waits.
 constexpr int kNear_m = 1, kFar_m = 3;
-// Of the scout between two samples of the future.
+// Steps of the scout between two samples of the future.
 constexpr int kSteps = 5;
 
 }  // namespace
@@ -76,7 +76,7 @@ void PlanVessel<S>::add(const PlanPoint& point) {
   ++count_;
 }
 
-/// Share of its speed that the vessel sails with before a boat that far from it.
+/// Share of its speed at which the vessel sails if the boat is off_m away.
 template <class S>
 S pace(S off_m, bool paused) {
   if (paused) return S(0);
@@ -122,8 +122,8 @@ void PlanVessel<S>::advance(core::RouteState<S>& state, S share, S dt) const {
   core::route_forward(limits_, points(), state, share, dt);
 }
 
-/// One sample of the future in each tick, anew every second, and at once where the vessel begins to
-/// slow down for the boat, or to go on.
+/// Computes one sample of the future per tick. Begins anew every second, or already after 0.25 s
+/// if the vessel slows down for the boat or speeds up again.
 template <class S>
 void PlanVessel<S>::look_ahead(S share, S dt) {
   constexpr std::size_t kSamples = core::kFutureSamples + 1;
@@ -144,7 +144,7 @@ void PlanVessel<S>::look_ahead(S share, S dt) {
 
 template <class S>
 std::optional<typename PlanVessel<S>::Foreseen> PlanVessel<S>::take_future() {
-  constexpr int kSteadyTold = 3;  // a steady future is told once in so many times
+  constexpr int kSteadyTold = 3;  // of so many steady futures in a row, one is not told
   if (!std::exchange(foresees_, false)) return std::nullopt;
   const auto steady = [](const auto& samples) {
     return std::ranges::all_of(samples, [&](S x) { return x == samples[0]; });

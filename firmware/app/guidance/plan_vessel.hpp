@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The vessel that sails a plan or an errand, as nobody sees it: the paper's agent 0. A boat that has
-// no leader follows it with the law, and sends its motion as the formation's reference.
+// The virtual vessel that sails a plan or an errand: the paper's agent 0. A boat without a leader
+// follows it by the law, and sends its motion as the formation's reference.
 #pragma once
 
 #include <array>
@@ -27,28 +27,31 @@ struct Voyage {
 template <class S>
 class PlanVessel {
  public:
-  /// From the boat's place and motion to the first point of the voyage, and on.
+  /// Starts at the boat's place and with its motion, and sails to the first point of the voyage and
+  /// on.
   void start(const Voyage& voyage, const PlanDefaults& defaults, const core::RouteParams<S>& limits,
              const convert::Position& own, const core::Motion<S>& motion);
 
-  /// dt seconds later. off_m: how far the boat is from this vessel, which slows down and waits.
+  /// Sails for dt seconds. off_m: the boat's distance from this vessel, which slows down and waits
+  /// for it.
   void forward(Plan plan, S off_m, bool paused, S dt);
 
-  /// How it will sail, where that is worth telling, and how long ago that began, s; once.
+  /// A future that followers should know, and the time since its beginning, s; returned once.
   struct Foreseen {
     core::Future<S> future;
     S since{};
   };
   std::optional<Foreseen> take_future();
 
-  /// Its motion from now on, every `every_s`, if it waits for nobody; costs as much as so many
-  /// seconds under way.
+  /// The vessel's motion from now on, every `every_s`, if it waits for nobody. Computes four steps
+  /// of the planner for each second.
   void foresee(std::span<core::Motion<S>> motions, int every_s) const;
 
-  /// The same, driven by these velocities; the plan is given up.
+  /// Sails for dt seconds at these velocities; the plan is given up.
   void drive(const core::Drive<S>& desired, S off_m, bool paused, S dt);
 
-  /// The plan begins near enough to the boat.
+  /// The plan begins near enough to the boat, and its places read so far are in the planner's
+  /// range.
   bool is_sound() const { return sound_; }
   bool has_arrived() const { return state_.phase == core::RoutePhase::kArrived; }
 
@@ -82,7 +85,7 @@ class PlanVessel {
   core::RouteState<S> state_{};
   bool sound_ = false;
 
-  // The future is made anew every second, a little in each tick, from `scout_` on.
+  // The future is computed anew every second, a sample per tick, by sailing `scout_` ahead.
   core::RouteState<S> scout_{};
   Foreseen foreseen_{};
   std::size_t seen_ = 0;   // samples of foreseen_

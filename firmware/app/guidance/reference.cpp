@@ -6,7 +6,7 @@
 namespace flotilla::app {
 namespace {
 
-// No S-curve can be extrapolated for longer; a reference that is sent on must last one more hop.
+// An S-curve cannot be extrapolated for longer. A relayed reference must last one more hop.
 constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'000;
 // A lower sequence number with a motion later by more than this means that the maker restarted.
 constexpr std::int64_t kRestart_us = 1'000'000;
@@ -14,10 +14,11 @@ constexpr std::int64_t kRestart_us = 1'000'000;
 constexpr std::int64_t kTold_us = 100'000;
 // A motion that is later than the one held by less than this tells nothing new.
 constexpr std::int64_t kNews_us = 45'000;
-// A future lasts for kFuture_us; a reference that it covers may be followed, and told, for this long.
+// A future lasts for kFuture_us. A reference with a future may be followed, and sent, for
+// kOldestCovered_us.
 constexpr std::int64_t kFuture_us = 12'000'000, kOldestCovered_us = 9'000'000;
 
-/// As a message tells it that leaves now.
+/// The age in a message that leaves now.
 std::uint16_t age_ms(std::int64_t now_us, std::int64_t valid_us) {
   const std::int64_t age_us = convert::us_of_ms(now_us) - valid_us;
   return static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);
@@ -125,8 +126,8 @@ std::int64_t Reference<S>::lasting_us(std::int64_t now_us, std::int64_t plain_us
   return future(now_us) != nullptr ? kOldestCovered_us : plain_us;
 }
 
-/// Keeps the walk from the reference along its future at the present; drops a future that the
-/// reference contradicts.
+/// Advances the walk along the reference's future to the present; drops a future that the reference
+/// contradicts.
 template <class S>
 void Reference<S>::walk(std::int64_t now_us) {
   const HeldFuture* told = future(now_us);
@@ -160,8 +161,8 @@ bool Reference<S>::is_near(const convert::Position& own, const convert::RootStat
   return convert::near(own, root.position) && convert::near(own, slot, reach_);
 }
 
-/// Rejects what another boat has already relayed, and what comes too soon after the one held;
-/// accepts a restarted maker.
+/// Rejects a reference that another boat has already relayed, or that comes too soon after the one
+/// held; accepts one from a restarted maker.
 template <class S>
 bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& branch,
                             std::int64_t valid_us) const {
@@ -181,7 +182,7 @@ bool Reference<S>::believe(const convert::RootState<S>& root, std::int64_t valid
                                          motion.nu,        valid_us,        now_us};
   typename JumpGuard<S>::Seen compared = seen;
   bool near = true;
-  if (held_ && guard_.last()) {  // whose plane need not be this one's
+  if (held_ && guard_.last()) {  // the held one may have another plane
     const auto [apart_n, reaches] = convert::separation<S>(held_->root.position, position);
     near = reaches;
     compared.north_m = guard_.last()->north_m - apart_n.x;
@@ -235,7 +236,7 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   }
 }
 
-/// Begins with the leader's own track: a branch that ends leaves its motion known.
+/// Begins with the leader's own track, because its motion is known when a branch ends.
 template <class S>
 void Reference<S>::shape(const VesselTrack<S>& leader, const core::TrackMessage<S>& message) {
   if (std::exchange(shapes_, true)) {

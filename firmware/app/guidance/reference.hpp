@@ -24,7 +24,7 @@ class Reference {
   void configure(const Configuration::Formation& formation, const core::ForesightLimits<S>& limits,
                  std::uint8_t own_system);
 
-  /// Any message; own: our position, nullptr if unknown.
+  /// Takes any message; own: our position, nullptr if unknown.
   void take(const link::Received& received, const convert::Position* own, std::int64_t now_us,
             link::Counters& counters) {
     const auto* told = std::get_if<link::FormationReference>(&received.message);
@@ -39,13 +39,14 @@ class Reference {
     clocks_.answered(from, sent_us, read_us, now_us);
   }
 
-  /// Whether the boat leads: it is the root itself, whatever FORM_LEADER and its slot are.
+  /// Sets whether the boat leads: then it is the root itself, whatever FORM_LEADER and its slot
+  /// are.
   void lead(bool on);
 
-  /// The motion of the vessel that the boat follows in AUTO, as the reference of a boat that leads.
+  /// Takes the motion of the vessel that a leading boat follows in AUTO, as the reference.
   void tell(const convert::RootState<S>& root, std::int64_t now_us);
 
-  /// How it will sail from `begun_us` on.
+  /// Takes the future of that vessel from `begun_us` on.
   void tell(const core::Future<S>& future, std::int64_t begun_us);
 
   /// Call in every tick: makes the reference if this boat is its maker. Also while LAW_REF is 0, so
@@ -67,7 +68,7 @@ class Reference {
   std::optional<link::FormationReference> message(std::int64_t now_us, bool followed) const;
   std::uint32_t news() const { return news_; }
 
-  /// The same of the root's future, while it lasts.
+  /// The same for the root's future, while it lasts.
   std::optional<link::FormationFuture> future_message(std::int64_t now_us) const;
   std::uint32_t future_news() const { return future_news_; }
 
@@ -88,7 +89,7 @@ class Reference {
   struct Held {
     Branch branch;
     std::uint16_t sequence = 0;
-    link::FormationReference told;  ///< the motion in it
+    link::FormationReference told;  ///< the motion as a message
     convert::RootState<S> root;
     std::int64_t valid_us = 0;
     bool near = false;

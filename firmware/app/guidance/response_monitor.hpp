@@ -40,7 +40,7 @@ class ResponseMonitor {
   bool answers_ = true;
   core::Impulse<S> impulse_{};  // since the last average
   core::Nu<S> fix_{};
-  core::Nu<S> desired_{};  // without the law, of the last fix
+  core::Nu<S> desired_{};  // without the law, the velocity of the last fix
 };
 
 }  // namespace flotilla::app

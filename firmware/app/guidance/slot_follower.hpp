@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs the control law behind a vessel, and smooths every change of it.
+// Runs the control law behind another vessel, and smooths a change to a different vessel.
 #pragma once
 
 #include <cstdint>

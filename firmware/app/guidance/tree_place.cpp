@@ -55,7 +55,7 @@ const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
   return word_ && now_us - word_->heard_us < kSilent_us ? &*word_ : nullptr;
 }
 
-/// The same, if we sail in its branch.
+/// The leader's recent message, if we sail in its branch.
 const TreePlace::Word* TreePlace::followed(std::int64_t now_us) const {
   const Word* told = word(now_us);
   if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system)

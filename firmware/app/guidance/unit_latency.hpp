@@ -61,7 +61,7 @@ class UnitLatency {
   bool estimates_ = false;
   std::optional<float> found_s_;
   float lag_s_ = 0;  // the compensated part of it
-  // Of these three, by set_lag():
+  // set_lag() derives these three:
   std::optional<std::int64_t> lag_us_;
   float uncompensated_s_ = kUnknown_s;
   bool bearable_ = true;

@@ -12,12 +12,12 @@ namespace {
 constexpr std::int64_t kSettled_us = 1'000'000, kNever = std::numeric_limits<std::int64_t>::max();
 constexpr float kBetter = 0.8F;
 
-// Bits that ESTIMATOR_STATUS and EKF_STATUS_REPORT share, and those that either has.
+// Bits that ESTIMATOR_STATUS and EKF_STATUS_REPORT share, and bits that only one of them has.
 constexpr unsigned kAttitude = 1, kVelocity = 2, kPlace = 8 | 16;
 constexpr unsigned kConstantPlace = 128, kGlitchOrUninitialised = 1024, kGpsGlitch = 32768;
 
-/// The quantity of a message that is beyond its limit, empty if none is; nothing if it reports
-/// none.
+/// The quantity of a message that is beyond its limit, empty if none is; nothing if the message
+/// reports no quantity.
 using Verdict = std::optional<std::string_view>;
 
 /// A limit of 0 is off; NaN (unknown) exceeds no limit.

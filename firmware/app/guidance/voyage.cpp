@@ -93,8 +93,9 @@ core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
   return slowed(core::clamp(asked.port, S(-1), S(1)), core::clamp(asked.stbd, S(-1), S(1)));
 }
 
-/// A boat that is fast ahead still turns with all it has: only that moves its hull sideways. One
-/// propeller alone stays alone.
+/// Reduces thrust ahead and turning thrust separately: a boat that was too fast ahead still turns
+/// with full thrust, because only that moves the hull sideways. If one propeller drives alone, the
+/// other stays at 0.
 template <class S>
 core::Thrust<S> HullVoyage<S>::slowed(S port, S stbd) const {
   const bool alone = phase_ == Phase::kDriven && step().manoeuvre == Manoeuvre::kAlone;
@@ -104,7 +105,7 @@ core::Thrust<S> HullVoyage<S>::slowed(S port, S stbd) const {
   return {gain_ * (both + apart), gain_ * (both - apart)};
 }
 
-/// Cuts the step off where it cannot go on. A fence makes the room smaller.
+/// Cuts off a step that cannot go on. A fence makes the room smaller.
 template <class S>
 void HullVoyage<S>::look(const Seen& seen) {
   if (S(1.5) * greatest_ < away_) return lose();
@@ -130,7 +131,7 @@ void HullVoyage<S>::look(const Seen& seen) {
   }
 }
 
-/// Less thrust from now on, unless there is hardly any.
+/// Reduces the thrust from now on; false if hardly any is left.
 template <class S>
 bool HullVoyage<S>::slow_down(S& factor) {
   const S slower = S(0.7) * factor;
@@ -139,7 +140,7 @@ bool HullVoyage<S>::slow_down(S& factor) {
   return can;
 }
 
-/// A step that is slower now has lost no try.
+/// A step that is repeated with less thrust does not use up a try.
 template <class S>
 void HullVoyage<S>::cut_off(std::string_view why, bool slower) {
   enter(Phase::kRest);
@@ -194,7 +195,7 @@ void HullVoyage<S>::begin_step(const Seen& seen) {
   news_ = VoyageNews{VoyageNews::Kind::kBegins, step_ + 1, name_of(step().manoeuvre)};
 }
 
-/// From phase to phase.
+/// Changes from one phase to the next.
 template <class S>
 void HullVoyage<S>::advance(const Seen& seen) {
   switch (phase_) {
@@ -252,7 +253,7 @@ core::Thrust<S> HullVoyage<S>::shares(const Seen& seen, S dt) {
   return swaps(seen, dt) ? core::Thrust<S>{stbd, port} : core::Thrust<S>{port, stbd};
 }
 
-/// Weak enough for every hull, as shares of its own thrust.
+/// Steers to course_. The gains are weak enough for every hull: they are shares of its own thrust.
 template <class S>
 core::Thrust<S> HullVoyage<S>::steered(const Seen& seen, S surge) const {
   const S off = core::wrap_pi(course_ - seen.psi);
@@ -260,7 +261,7 @@ core::Thrust<S> HullVoyage<S>::steered(const Seen& seen, S surge) const {
   return {surge + d, surge - d};
 }
 
-/// Whether the two propellers have changed places.
+/// Whether the two propellers have exchanged their thrusts.
 template <class S>
 bool HullVoyage<S>::swaps(const Seen& seen, S dt) {
   if (step().manoeuvre == Manoeuvre::kZigZag) {
@@ -273,7 +274,7 @@ bool HullVoyage<S>::swaps(const Seen& seen, S dt) {
     chip_s_ = chip_s_ + dt;
     if (!(chip_s_ < S(1))) {
       chip_s_ = chip_s_ - S(1);
-      // x⁶ + x⁵ + 1: all 63 words before one comes again.
+      // x⁶ + x⁵ + 1: all 63 words before one repeats.
       const unsigned bit = (register_ ^ register_ >> 1U) & 1U;
       register_ = register_ >> 1U | bit << 5U;
       swapped_ = bit != 0;

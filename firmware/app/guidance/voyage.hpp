@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The voyage that measures a hull: sails kVoyageSteps in the open loop, within a room.
+// The voyage that measures a hull: sails kVoyageSteps in open loop, within a circular room.
 //
 //   p_s = p + T_s v        where the boat comes to rest: |p_s| < 0.95 R, or the step is cut off
 //   |p| > 0.4 R: back to 0.33 R before the next step; > 1.5 R: lost
@@ -12,8 +12,8 @@
 //  χ_d, ψ    desired course, heading                                          rad
 //  s, d      surge and differential, shares of a propeller's greatest thrust  1
 //
-// The law takes no part: it needs the very numbers that the voyage is to find. So the boat steers by
-// shares of its thrust also on its way back to the centre, where it goes between steps as needed.
+// The law takes no part, because it needs the numbers that the voyage measures. Between steps, too,
+// the boat returns to the centre by shares of its thrust if necessary.
 #pragma once
 
 #include <cstddef>
@@ -27,19 +27,19 @@
 
 namespace flotilla::app {
 
-/// A plan's item that is such a voyage.
+/// Whether a plan's item is such a voyage.
 bool is_voyage(const PlanItem& item);
 
 /// Judges its parameters.
 PlanFault fault_of_voyage(const PlanItem& item);
 
-/// Where a voyage is sailed, and how fast.
+/// The place of a voyage, and its limits.
 struct VoyageRoom {
   std::uint32_t plan = 0;  ///< id
   std::size_t item = 0;
   float radius_m = 0;
-  float share = 0;   ///< of full thrust that it uses at most
-  float rest_s = 0;  ///< the way to rest over the speed
+  float share = 0;   ///< greatest share of full thrust
+  float rest_s = 0;  ///< stopping distance / speed
   float fastest_mps = 0, fastest_radps = 0;
   bool operator==(const VoyageRoom&) const = default;
 };
@@ -59,7 +59,8 @@ struct VoyageNews {
 template <class S>
 class HullVoyage {
  public:
-  /// From the centre; by the navigation unit alone, as the model of the hull may be wrong.
+  /// Motion relative to the centre, from the navigation unit alone: the model of the hull may be
+  /// wrong.
   struct Seen {
     core::Vec2<S> off_n{}, velocity_n{};
     S psi{}, r{};
@@ -67,7 +68,7 @@ class HullVoyage {
     bool blocked = false;  ///< would leave the fence
   };
 
-  /// Begins; goes on with the step where the same voyage was interrupted.
+  /// Begins, or continues the same voyage with the step where it was interrupted.
   void begin(const VoyageRoom& room);
   /// Stops; the step is sailed anew after begin().
   void interrupt();
@@ -75,7 +76,7 @@ class HullVoyage {
   void forget() { *this = {}; }
 
   bool is_on() const { return phase_ != Phase::kOff; }
-  /// It does not come back to its room: the law's boat would be out of formation.
+  /// The boat is too far outside its room: the voyage has ended.
   bool is_lost() const { return lost_; }
   bool is_of(std::uint32_t plan, std::size_t item) const {
     return room_.plan == plan && room_.item == item;

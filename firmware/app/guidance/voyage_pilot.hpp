@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sails the voyage of a plan that measures a hull: whether the plan has come to one and the boat is
-// in its room, where the boat is in that room by the navigation unit alone, and whether it would
-// leave the fence or the circle round home before it comes to rest.
+// Sails a plan's voyage that measures a hull. Begins it when the plan has come to one and the boat
+// is in its room; locates the boat in that room by the navigation unit alone; judges whether the
+// boat would leave the fence, or the circle round home, before it comes to rest.
 #pragma once
 
 #include <cstddef>
@@ -20,19 +20,19 @@ class VoyagePilot {
   /// Where the boat may sail.
   struct Bounds {
     const Fence& fence;
-    float margin_m = 0;  ///< to keep from it
+    float margin_m = 0;  ///< distance to keep from the fence
     std::optional<convert::GlobalPoint> home{};
     std::optional<float> reach_m{};  ///< from home
   };
 
-  /// A state without a voyage begins, or a plan does, at that item: its voyage goes on with the step
-  /// where it was interrupted.
+  /// Call when a state without a voyage begins, or a plan at that item. The item's voyage continues
+  /// with the step where it was interrupted, unless the plan was complete.
   void interrupt() { voyage_.interrupt(); }
   void begin_plan(std::uint32_t plan, std::size_t item, bool complete);
   /// An operator has set another item: a voyage starts from its first step.
   void forget() { voyage_.forget(); }
 
-  /// Begins, where the boat is in the room of the voyage that the plan's item is, if it is one.
+  /// Begins a voyage if the item is one that is not over and the boat is in its room.
   void begin(const PlanItem& ahead, std::uint32_t plan, std::size_t item, const Pilot<S>& pilot,
              const Configuration& configuration);
 
@@ -41,7 +41,7 @@ class VoyagePilot {
   bool is_lost() const { return voyage_.is_lost(); }
   std::size_t item() const { return voyage_.item(); }
 
-  /// Judges whether the boat leaves its bounds if it comes to rest from now on; forward() heeds it.
+  /// Judges whether the boat would leave its bounds if it stopped now; forward() uses the result.
   void look(const Pilot<S>& pilot, const Bounds& bounds, std::int64_t now_us);
 
   /// Thrusts for the next dt seconds, N. centre: of the room.

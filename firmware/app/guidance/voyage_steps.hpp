@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The manoeuvres of the voyage that measures a hull, in the order in which they are sailed: what a
-// log of them tells about drag, inertia, propellers, current and compass.
+// The manoeuvres of the voyage that measures a hull, in sailing order. Their log determines drag,
+// inertia, propellers, current and compass.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@ enum class Manoeuvre : std::uint8_t {
   kAstern,    ///< the same astern
   kSpin,      ///< one propeller ahead, the other astern
   kZigZag,    ///< turns to the other side when the heading is 20° off
-  kStraight,  ///< after a turn on the spot to its course, which weak steering keeps
+  kStraight,  ///< turns on the spot to its course, keeps it by weak steering
   kCircle,    ///< unequal thrusts
-  kRandom,    ///< both propellers change places after a pseudo-random sequence, once a second
+  kRandom,    ///< exchanges the two thrusts by a pseudo-random sequence of 1 s steps
   kAlone,     ///< one propeller, the other stands still
 };
 
@@ -31,8 +31,8 @@ inline std::string_view name_of(Manoeuvre manoeuvre) {
 struct VoyageStep {
   Manoeuvre manoeuvre;
   std::int8_t port, stbd;         ///< thrusts, percent of the greatest that the voyage uses
-  std::uint8_t driven_s;          ///< with them,
-  std::uint8_t coasting_s;        ///< and then without thrust
+  std::uint8_t driven_s;          ///< time with these thrusts
+  std::uint8_t coasting_s;        ///< time without thrust after that
   std::uint8_t eighths_turn = 0;  ///< course of a straight
 };
 

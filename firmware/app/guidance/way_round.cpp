@@ -38,7 +38,7 @@ void WayRound::begin(const Fence& fence, const convert::Position& here, const Ta
   phase_ = Phase::kCollect;
 }
 
-/// A bend is so far out that the rounded one keeps the margin.
+/// Distance of a bend from the fence, so that the rounded bend keeps the margin.
 WayRound::Length WayRound::off() const {
   return convert::scalar<Q16>((1 + kCut) * margin_m_) + kRounding;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The shortest way to a place that keeps the fence, over bends beside its corners: searched a few
-// legs a tick, from the place back to the boat.
+// Finds the shortest way to a place that keeps the fence, over bends beside the fence's corners.
+// Searches a few legs per tick, from the place back to the boat.
 //
 //   g(goal) = 0      g(a) = min over b seen from a of g(b) + |a − b|
 //   closed next: the bend with the least g(a) + |a − boat|
@@ -20,13 +20,14 @@ namespace flotilla::app {
 
 class WayRound {
  public:
-  static constexpr std::size_t kMost = 12;  ///< permitted bends; a fence with more: no way
+  static constexpr std::size_t kMost = 12;  ///< permitted bends; with more, no way is found
 
-  /// Keeps margin_m from every boundary, or, where an end is nearer to one, that much.
+  /// Begins a search. The way keeps margin_m from every boundary, or the distance of its two ends
+  /// if that is less.
   void begin(const Fence& fence, const convert::Position& here, const Target& goal, float margin_m);
   void stop() { phase_ = Phase::kOver; }
 
-  /// A few legs further.
+  /// Searches a few legs further.
   void forward(const Fence& fence);
   bool is_searching() const { return phase_ == Phase::kCollect || phase_ == Phase::kSearch; }
   bool found() const { return phase_ == Phase::kFound; }

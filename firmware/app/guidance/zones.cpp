@@ -36,7 +36,7 @@ std::size_t corners_of(const PlanItem& item) {
   return static_cast<float>(whole) == count ? whole : 0;
 }
 
-/// How many of the last items are of the polygon that is not complete, without the last one.
+/// Number of items of the incomplete polygon at the end, without the last item.
 std::size_t begun(Plan fence) {
   std::size_t at = 0;
   while (at + 1 < fence.size()) {
@@ -68,14 +68,14 @@ PlanFault fault_of_command(const PlanItem& item) {
   return {};
 }
 
-/// b follows a, and c follows b.
+/// Whether the edge from b to c folds back over the edge from a to b.
 bool folds(const Place& a, const Place& b, const Place& c) {
   return core::distance_to(c, a, b) < kApart || core::distance_to(a, b, c) < kApart;
 }
 
 constexpr PlanFault kCrossing{mav::kMissionInvalid, "the polygon crosses itself"};
 
-/// Judges the edge to a polygon's last corner, and the closing one where that is complete.
+/// Judges the edge to a polygon's last corner, and the closing edge if the polygon is complete.
 PlanFault fault_of_edges(Plan corners) {
   const convert::Position from{0, 0, {corners[0].x, corners[0].y, 0, 0}};
   const auto place = [&](std::size_t i) {

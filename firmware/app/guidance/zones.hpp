@@ -10,23 +10,23 @@ namespace flotilla::app {
 
 constexpr float kLeastCircle_m = 1, kGreatestCircle_m = 2000;
 
-/// One zone of a sound fence: its items, one a corner, or one for a circle.
+/// One zone of a sound fence: its items, one for each corner, or one for a circle.
 struct ZoneItems {
   Plan items;
   float radius_m = 0;  ///< of a circle
   bool keeps_in = true;
 };
 
-/// The zone that begins with the first of these items, which it does not outreach.
+/// The zone that begins with the first item; it takes no more items than there are.
 ZoneItems first_zone(Plan fence);
 
-/// Judges the last item of a fence, all others of which are sound.
+/// Judges the last item of a fence whose other items are sound.
 PlanFault fault_of_last_zone(Plan fence);
 
-/// Judges a whole fence, each of whose items is sound.
+/// Judges a whole fence whose items are each sound.
 PlanFault fault_of_zones(Plan fence);
 
-/// Judges the last one of rally points, all others of which are sound.
+/// Judges the last rally point; the others are sound.
 PlanFault fault_of_last_rally(Plan points);
 
 }  // namespace flotilla::app

@@ -24,7 +24,7 @@ void ClockOffset::widen(std::int64_t now_us) {
   constexpr std::uint32_t kPerMicrosecond_us = 1'000'000 / kDrift_ppm;
   const std::int64_t since_us = now_us - widened_us_;
   if (since_us < kPerMicrosecond_us) return;
-  // 32 bits, which last for an hour: a division of 64 bits is a long function.
+  // 32 bits suffice for an hour; a 64-bit division is a long function on a small processor.
   const bool is_short = since_us <= std::numeric_limits<std::uint32_t>::max();
   const std::int64_t by_us = is_short ? static_cast<std::uint32_t>(since_us) / kPerMicrosecond_us
                                       : since_us / kPerMicrosecond_us;

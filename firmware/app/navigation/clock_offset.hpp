@@ -29,7 +29,7 @@ class ClockOffset {
   /// TIMESYNC bounds the offset from below.
   bool was_answered() const { return lower_.has_value(); }
 
-  /// The last answer contradicts the stamps, or took too long to tell anything.
+  /// The last answer contradicts the stamps, or took too long to be useful.
   bool disputed() const { return disputed_; }
 
   void reset() { *this = ClockOffset{}; }

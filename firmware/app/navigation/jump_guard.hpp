@@ -57,13 +57,14 @@ class JumpGuard {
   /// The state that the next one is compared with.
   const std::optional<Seen>& last() const { return last_; }
 
-  /// A later state of another clock, as it may have moved from the last one.
+  /// The latest possible stamp, by the last state's clock, of a state that arrives now with another
+  /// clock's stamp.
   std::int64_t stamp_after_last(std::int64_t now_us) const {
     return last_->stamp_us + (now_us - last_->arrived_us) + kSettled_us;
   }
 
-  /// Takes a state given in the plane of the last one; `far`: too far away for that plane. Unless it
-  /// is refused, it is to be believed next.
+  /// Takes a state given in the plane of the last one; `far`: too far away for that plane. Unless
+  /// it is refused, call believe() next.
   Verdict take(const Seen& state, bool far) {
     if (!last_) return Verdict::kGoesOn;
     const core::Leg<S> way = leg(*last_, state);

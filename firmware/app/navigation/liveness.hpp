@@ -12,7 +12,8 @@ namespace flotilla::app {
 
 /// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
 /// heading likewise despite a yaw rate, or the whole state while the propellers push. A vessel at
-/// rest that reports no velocity is not frozen. One that never moved may be held: it gets 5 s.
+/// rest that reports no velocity is not frozen. A vessel that has never moved may be held in place,
+/// so it gets 5 s.
 template <class S>
 class Liveness {
  public:

@@ -19,7 +19,7 @@ class MotionFilter {
   }
   bool smooths() const { return smooths_; }
 
-  /// On: of frequent states the filter takes one in 45 ms, and believes those between as they are;
+  /// On: the filter takes one frequent state in 45 ms, and believes those between as they are;
   /// there are no fixes.
   void stand_by(bool on) {
     if (std::exchange(stands_by_, on) != on) begin_seldom();
@@ -72,7 +72,7 @@ class MotionFilter {
   bool smooths_ = true, stands_by_ = false;
   core::TrackState<S> track_;
   core::TrackState<S> filtered_;  // the last one that the filter gave while it stands by
-  S since_{};                     // the state of filtered_
+  S since_{};                     // since the state of filtered_
   std::optional<core::TrackMessage<S>> fix_;
 };
 

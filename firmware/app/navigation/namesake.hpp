@@ -10,8 +10,8 @@
 namespace flotilla::app {
 
 /// One vessel's clock has one start time, and another after a reboot, or after 49 days, when its
-/// stamps wrap. The stamps of two vessels alternate between two. Start times less than 5 s apart
-/// count as one: one vessel's messages may differ by that much in delay.
+/// stamps wrap. The stamps of two vessels alternate between two start times. Start times less than
+/// 5 s apart count as one: one vessel's messages may differ by that much in delay.
 class Namesake {
  public:
   void hear(std::uint32_t time_boot_ms, std::int64_t now_us) {

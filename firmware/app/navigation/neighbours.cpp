@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::int64_t kForgotten_us = 3'000'000, kShipForgotten_us = 30'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
-constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship's speed leads it no further
+constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
 constexpr std::uint32_t kLastSystem = 255;
 constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
-constexpr std::int64_t kDrift = 1'000;  // a share of time by which no two clocks drift apart
+constexpr std::int64_t kDrift = 1'000;  // no two clocks drift apart by 1/kDrift
 constexpr float kDeepest = 250;
 
 bool is_vehicle(const link::Heartbeat& beat) {

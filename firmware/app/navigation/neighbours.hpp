@@ -22,9 +22,10 @@ namespace flotilla::app {
 /// The delay of a state beyond that of the vessel's promptest messages adds to its age. The delay
 /// that all its messages share is not measured, but assumed to be 0.1 s.
 ///
-/// AIS_VESSEL counts from whichever component sends it, under the ship's MMSI, for 30 s: ships report
-/// every two to ten seconds; for 6.5 min if it rests, for then it reports every three. A vessel is
-/// a stranger until its autopilot sends our dialect and DEPTH: others send an echo sounder's DEPTH.
+/// AIS_VESSEL counts from any component, under the ship's MMSI, for 30 s, because ships report
+/// every two to ten seconds; or for 6.5 min if the ship rests, because it then reports every three
+/// minutes. A vessel is a stranger until its autopilot sends our dialect and DEPTH: other firmware
+/// uses DEPTH for an echo sounder.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
@@ -53,8 +54,8 @@ class Neighbours {
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
-  /// A vessel that is not tracked because its messages come more than three seconds late: their
-  /// states are too old to keep apart by. Its system id; nothing is known of silent vessels.
+  /// System id of a vessel that is not tracked, because its messages come more than three seconds
+  /// late: too old for keeping apart. Nothing is known of silent vessels.
   std::optional<std::uint8_t> late(std::int64_t now_us) const;
 
   /// Links of the tree to us from a virtual leader, or from a leader that sends no depth.
@@ -75,7 +76,7 @@ class Neighbours {
     Metres north_m, east_m;
     link::GpsGlobalOrigin origin{};  ///< of its local frame
     std::int64_t true_us = 0;        ///< when its state was true, by our clock
-    std::int64_t ahead_us = 0;       ///< of our clock before its stamps, by the promptest message
+    std::int64_t ahead_us = 0;       ///< our clock less its stamps, by the promptest message
     std::int64_t late_us = kNever;   ///< when a message last came too late to be used
   };
 
@@ -92,7 +93,7 @@ class Neighbours {
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message, std::int64_t now_us);
   template <class S>
   void take_ais(const link::AisVessel& message, const convert::Position& own, std::int64_t now_us);
-  /// The vessel's entry, if this is its newest state, which takes the place.
+  /// Stores the place if this is the vessel's newest state, and returns its entry; else nullptr.
   template <class S>
   Vessel* take_place(std::uint32_t id, const convert::Sample<S>& sample,
                      const convert::Position& own, std::int64_t now_us);
@@ -117,7 +118,7 @@ class Neighbours {
   link::GpsGlobalOrigin frame_{};  // of all places
   std::int64_t late_us_ = kNever;  // the latest late_us of all
   std::array<Vessel, core::kMaxVessels> vessels_{};
-  std::size_t used_ = 0;                       // of vessels_: none behind these was ever tracked
+  std::size_t used_ = 0;                       // entries of vessels_ that were ever in use
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
   std::array<std::uint8_t, 256> speaker_{};    // component that speaks our dialect, by system
 };

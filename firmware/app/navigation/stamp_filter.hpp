@@ -29,7 +29,7 @@ class StampFilter {
     return std::abs(off_us) > kSilent_us ? Verdict::kSet : Verdict::kNext;
   }
 
-  /// A late state was not used.
+  /// Notes a late state that was not used.
   void refuse(std::int64_t stamp_us) {
     refused_in_a_row_ = advances(stamp_us) ? refused_in_a_row_ + 1 : 1;
     refused_us_ = stamp_us;

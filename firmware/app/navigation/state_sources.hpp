@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Chooses which component's and which kind of the messages that report one vessel's state are used.
+// Chooses, for one vessel, the component and the kind of message whose states are used.
 #pragma once
 
 #include <array>

@@ -80,11 +80,11 @@ class VesselTrack {
   /// This vessel's limits; the default is any vessel's.
   void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
 
-  /// Smoothing is for motion(); off if another estimator knows the motion between messages better:
-  /// then each message is believed as it is.
+  /// Smoothing is for motion(). Without it each message is believed as it is: use that if another
+  /// estimator knows the motion between messages better.
   void set_smoothing(bool smooths) { filter_.set_smoothing(smooths); }
 
-  /// Its motion is not followed now: it is filtered less often.
+  /// On: nobody follows its motion now, so it is filtered less often.
   void stand_by(bool stands_by) { filter_.stand_by(stands_by); }
 
   /// Change of velocity that the propellers alone would have caused since the last call, m/s.
@@ -147,7 +147,7 @@ class VesselTrack {
  private:
   using Heading = typename Headings<S>::Heading;
 
-  /// A message's, and where it is counted.
+  /// The sender and time of a message, and the counters for its errors.
   struct Arrival {
     std::uint8_t component;
     std::int64_t now_us;

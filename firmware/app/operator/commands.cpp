@@ -105,8 +105,8 @@ DecodedCommand set_standard_mode(const Command& c) {
   return {mav::kFailed};
 }
 
-/// The boat's heading there, and a radius, are not for boats: ignored. A float's degrees, in
-/// COMMAND_LONG, are metres off.
+/// Heading and radius are not for boats, and are ignored. COMMAND_LONG is refused: its degrees are
+/// floats, which are metres off.
 DecodedCommand reposition(const Command& c) {
   constexpr double kChangesMode = 1;
   if (!c.frame) return {mav::kCommandIntOnly};
@@ -135,7 +135,7 @@ DecodedCommand pause(const Command& c) {
   return asked;
 }
 
-/// Of the polygon and circle fence; FS_FENCE_M is a parameter.
+/// Switches the fence of polygons and circles on or off; FS_FENCE_M is a parameter.
 DecodedCommand enable_fence(const Command& c) {
   const auto types = unused(c.param[1]) ? mav::kFencePolygon : whole(c.param[1], 65535);
   if (c.param[0] != 0 && c.param[0] != 1) return denied("a fence is on, 1, or off, 0");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Recognises requests that come a second time, by another link: where several vessels hear a ground
-// station, they hand its messages on, and a copy may be late enough to undo a newer request.
+// Recognises requests that arrive a second time, on another link. If several vessels hear a ground
+// station, they forward its messages, and a late copy could undo a newer request.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace flotilla::app {
 
 class Copies {
  public:
-  /// Whether this very message, of these bytes, came by another link within the last 5 s; remembers
-  /// it.
+  /// Whether the same message, with the same checksum, arrived on another link within the last 5 s;
+  /// remembers this one.
   bool is_copy(const link::Received& received, std::span<const std::uint8_t> frame,
                std::size_t link, std::int64_t now_us) {
     constexpr std::uint32_t kLate_ms = 5000;
@@ -40,8 +40,8 @@ class Copies {
     std::uint16_t checksum = 0;
   };
 
-  /// Behind header and payload, before a signature. A sender may number each link's messages apart,
-  /// so the number alone does not tell a copy.
+  /// The checksum after the payload, before a signature. A sender may number the messages of each
+  /// link separately, so the sequence number alone does not identify a copy.
   static std::uint16_t checksum(std::span<const std::uint8_t> frame) {
     constexpr std::uint8_t kMavlink2 = 0xFD;
     const std::size_t at = (frame[0] == kMavlink2 ? 10U : 6U) + frame[1];

@@ -63,7 +63,7 @@ std::optional<link::Message> LogService::next(std::size_t link) {
   return ranges_ > 0 && link == link_ ? next_data() : std::nullopt;
 }
 
-/// A range of no bytes, or one that its log is too short for, is answered with a message of none.
+/// Answers an empty range, or one beyond the end of its log, with a message without bytes.
 std::optional<link::Message> LogService::next_data() {
   LogRange& range = room_.ranges[0];
   link::LogData out{};
@@ -116,7 +116,7 @@ void LogService::bring(const LogWish& wish, std::span<const std::uint8_t> bytes)
   std::copy_n(bytes.begin(), here_bytes_, room_.piece.begin());
   LogRange& range = room_.ranges[0];
   const auto left = static_cast<std::uint32_t>(here_bytes_);
-  // A file that was cut off or removed since it was listed.
+  // The file was truncated or removed after it was listed.
   if (range.end - range.offset > left && here_bytes_ < room_.piece.size()) {
     range.end = range.offset + left;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// MAVLink's log protocol: lists a host's logs and gives them away. The host brings what is asked for,
-// as it comes from a disk; without one, the list is empty.
+// MAVLink's log protocol: lists a host's logs and sends their bytes. The host reads them from its
+// disk as they are asked for. Without a host that keeps logs, the list is empty.
 #pragma once
 
 #include <array>
@@ -46,24 +46,27 @@ class LogService {
   /// log 0.
   LogService(const LogRoom& room, bool from_1) : room_(room), first_(from_1 ? 1 : 0) {}
 
-  /// The host has logs, perhaps; before, there are none.
+  /// Call if the host keeps logs. Before, the list is empty.
   void open() { open_ = true; }
 
   void list(std::size_t link, const link::LogRequestList& asked);
-  /// Why nothing comes, for the operator; empty: it does. A client may ask for all its gaps at once.
+  /// Takes a request for bytes. Returns, for the operator, why none will come; empty: they will. A
+  /// client may ask for all its gaps at once.
   std::string_view read(std::size_t link, const link::LogRequestData& asked);
   void end(std::size_t link);
 
-  /// The next message for that link; nothing while there is none, or the host has yet to bring it.
+  /// The next message for that link; nothing while there is none, or the host has not brought it
+  /// yet.
   std::optional<link::Message> next(std::size_t link);
   bool is_idle() const { return !listing_ && ranges_ == 0; }
 
   std::optional<LogWish> wish() const;
-  /// Of a longer list than there is room for, the newest logs. True if it was wished for.
+  /// Takes the list that was asked for; keeps the newest logs if there is no room for all.
   void bring_list(std::span<const StoredLog> logs);
   /// The index in that list of the first log that is offered.
   std::size_t left_out() const { return left_out_; }
-  /// As much as there is room for; none: the log ends there.
+  /// Takes the bytes that were asked for, as many as there is room for; no bytes: the log ends
+  /// there.
   void bring(const LogWish& wish, std::span<const std::uint8_t> bytes);
   std::size_t piece_bytes() const { return room_.piece.size(); }
 

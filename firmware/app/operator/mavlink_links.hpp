@@ -53,7 +53,7 @@ class MavlinkLinks {
     std::optional<std::int64_t> waiting_us;  // since when a message has been incomplete
     std::uint32_t whole = 0;                 // decoder.whole() at the last look
     SigningPolicy policy = SigningPolicy::kOff;
-    bool datagrams = false;  // not a serial line, so no radio's
+    bool datagrams = false;  // not a serial line, so no radio is on it
     TokenBucket bucket;
   };
 
@@ -97,8 +97,8 @@ class MavlinkLinks {
     return links_[link].decoder.frame();
   }
 
-  /// The rest of an incomplete message will not come; next() searches the bytes behind its first
-  /// one. False if there is none.
+  /// Call if the rest of an incomplete message will not come; next() then searches the bytes after
+  /// its first one. False if there is none.
   bool give_up(std::size_t link, link::Counters& counters) {
     link::MavlinkDecoder& decoder = links_[link].decoder;
     if (!decoder.has_bytes()) return false;
@@ -147,8 +147,8 @@ class MavlinkLinks {
     for (std::size_t link = 0; link < count(); ++link) send(link, message, counters);
   }
 
-  /// Queues another sender's frame, unchanged, for the next tick, unless this link's policy demands
-  /// a signature: `is_signed`, with a good one.
+  /// Queues another sender's frame, unchanged, for the next tick. Refuses it if this link's policy
+  /// requires signatures and the frame has no good one (`is_signed`).
   void forward(std::size_t link, std::span<const std::uint8_t> frame, bool is_signed,
                link::Counters& counters) {
     Link& l = links_[link];

@@ -12,8 +12,8 @@ namespace {
 
 namespace mav = link::mav;
 
-// MAVLink's guide has an item asked for again after 250 ms, five times; with that, a radio that
-// loses every fourth message would lose a plan of 500 items.
+// MAVLink's guide repeats the request for an item after 250 ms, five times. With so few, a radio
+// that loses every fourth message would fail to take a plan of 500 items.
 constexpr std::int64_t kPatience_us = 250'000;
 constexpr int kTries = 20;
 
@@ -30,7 +30,7 @@ std::string_view bytes_of(Plan plan) {
   return {reinterpret_cast<const char*>(plan.data()), plan.size_bytes()};
 }
 
-/// Bit by bit: a NaN is the same as itself.
+/// Compares bits, so that a NaN equals itself.
 bool is_same(const PlanItem& a, const PlanItem& b) {
   return bytes_of({&a, 1}) == bytes_of({&b, 1});
 }
@@ -42,7 +42,7 @@ std::optional<Stored> kind_of(std::uint8_t mission_type) {
 
 std::uint8_t type_of(Stored kind) { return static_cast<std::uint8_t>(kind); }
 
-/// For a plan without the homes before it: jumps count those too.
+/// Defaults for a plan without its leading homes; the targets of jumps count those, too.
 PlanDefaults with_homes(PlanDefaults defaults, std::size_t homes) {
   defaults.homes = homes;
   return defaults;
@@ -95,7 +95,7 @@ std::optional<link::Message> MissionService::answer(const RequestMessage& asked,
     return take(*given, asker, defaults, now_us);
   }
   if (const auto* old = std::get_if<link::MissionItem>(&asked)) {
-    // Its floats know a place to a metre only: the sender is asked for MISSION_ITEM_INT.
+    // Its floats give a place only to a metre. The boat asks for items by MISSION_REQUEST_INT.
     return acknowledgement(to, mav::kMissionUnsupported, old->mission_type);
   }
   if (const auto* asked_clear = std::get_if<link::MissionClearAll>(&asked)) {
@@ -108,7 +108,8 @@ std::optional<link::Message> MissionService::answer(const RequestMessage& asked,
   return std::nullopt;
 }
 
-/// ArduPilot's clients put the home that they know first, over sea level: kept, never sailed to.
+/// Number of leading homes. ArduPilot's clients send home as the first item, with an altitude above
+/// sea level. It is stored, but never sailed to.
 std::size_t MissionService::homes_of(Plan items) const {
   const bool home = homes_ && !items.empty() && items[0].command == mav::kNavWaypoint &&
                     items[0].frame == mav::kFrameGlobal;
@@ -119,7 +120,7 @@ Plan MissionService::sailed_of(Stored kind, Plan items) const {
   return kind == Stored::kPlan ? items.subspan(homes_of(items)) : items;
 }
 
-/// All or nothing.
+/// Clears all kinds that are asked for, or none.
 link::Message MissionService::clear(const link::MissionClearAll& asked, const Asker& asker) {
   const auto is_asked = [&](Stored kind) {
     return asked.mission_type == type_of(kind) || asked.mission_type == mav::kMissionTypeAll;
@@ -148,7 +149,7 @@ std::optional<link::Message> MissionService::begin(const link::MissionCount& cou
   if (!kind) return acknowledgement(asker.from, mav::kMissionUnsupported, count.mission_type);
   if (!asker.may_change(*kind)) return refuse(asker, *kind, {mav::kMissionDenied});
   if (upload_ && !is_from_uploader(asker)) {
-    // Of the same sender by another link: a copy that another vessel has handed on.
+    // The same sender, on another link: a copy that another vessel has forwarded.
     if (upload_->asker.from == asker.from) return std::nullopt;
     return refuse(asker, *kind, {mav::kMissionDenied, "another station is sending"});
   }
@@ -168,8 +169,8 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
   if (!kind || given.current > kCurrent) {
     return acknowledgement(asker.from, mav::kMissionUnsupported, given.mission_type);
   }
-  // A late copy, or an item that nobody has asked for, changes nothing. Who did not hear that his
-  // last item was the last one is told again.
+  // A late copy, or an item that was not asked for, changes nothing. A sender that missed the
+  // acknowledgement of its last item gets it again.
   const Store& kept = store(*kind);
   if (!upload_ && asker.from == kept.from && given.seq + std::size_t{1} == kept.count &&
       is_same(item_of(given), kept.room[given.seq])) {
@@ -226,7 +227,7 @@ link::Message MissionService::finish(const Asker& asker) {
   store(kind).from = asker.from;
   upload_.reset();
   news_ = News{.kind = News::Kind::kStored, .what = kind};
-  // Each leg was judged as it came.
+  // Each leg was judged on arrival. Only a map drawn since the last check needs a new one.
   if (kind == Stored::kPlan) check_.begin(checked_map_ == fence_.drawn());
   return acknowledgement(asker.from, mav::kMissionAccepted, type_of(kind), store(kind).id);
 }

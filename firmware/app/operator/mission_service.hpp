@@ -20,7 +20,7 @@ namespace flotilla::app {
 enum class Stored : std::uint8_t { kPlan, kFence, kRally };
 constexpr std::size_t kStoredKinds = 3;
 
-/// Room for what is stored, and for what is being sent, which may be as long as any of them.
+/// Room for the stored items, and for an upload, which may be as long as any of them.
 struct MissionRoom {
   std::array<std::span<PlanItem>, kStoredKinds> stored;
   std::span<PlanItem> incoming;
@@ -38,11 +38,11 @@ class MissionService {
   Plan stored(Stored kind) const { return store(kind).items(); }
   Plan plan() const { return stored(Stored::kPlan); }
 
-  /// Changes with what is stored; 0: nothing.
+  /// Changes with the stored items; 0: none.
   std::uint32_t id(Stored kind) const { return store(kind).id; }
 
-  /// At the start: what was stored before, unless it is not sound. A plan that leaves the fence is
-  /// taken, and AUTO refused.
+  /// At the start: restores saved items, unless they are not sound. A plan that leaves the fence is
+  /// restored, too, but AUTO is refused.
   PlanFault restore(Stored kind, Plan items, const PlanDefaults& defaults);
 
   /// The sender, and its rights: the plan may not change while it is sailed, fence and rally points
@@ -60,15 +60,14 @@ class MissionService {
   std::optional<link::Message> answer(const RequestMessage& asked, const Asker& asker,
                                       const PlanDefaults& defaults, std::int64_t now_us);
 
-  /// A message to repeat, as the sender of a plan is silent.
+  /// A message to repeat, because the sender of the items is silent.
   struct Repeated {
     std::uint8_t link;
     link::Message message;
   };
   std::optional<Repeated> repeat(std::int64_t now_us);
 
-  /// News for the operator from the last message: something was stored, or refused; or that
-  /// the stored plan leaves the fence.
+  /// News for the operator: items were stored or refused, or the stored plan leaves the fence.
   struct News {
     enum class Kind : std::uint8_t { kStored, kRefused, kPlanLeavesFence };
     Kind kind = Kind::kRefused;
@@ -78,31 +77,31 @@ class MissionService {
   };
   std::optional<News> take_news();
 
-  /// The item that is sailed to next; where AUTO begins.
+  /// The item to which the boat sails next, and with which AUTO begins.
   std::size_t current() const { return current_; }
   bool is_begun() const { return current_ > homes_of(plan()); }
   bool is_complete() const { return complete_; }
   /// False if there is no such item.
   bool set_current(std::size_t item);
-  /// An operator has set it since the last call.
+  /// Whether an operator has set the current item since the last call.
   bool take_jump();
   void sailed(std::size_t item, bool complete);
 
   const Fence& fence() const { return fence_; }
   /// The fence's map follows the boat's origin.
   void locate(const link::GpsGlobalOrigin& origin) { fence_.locate(origin); }
-  /// False if none is stored.
+  /// Switches the fence on or off; false if none is stored.
   bool enable_fence(bool on);
   /// Once a tick: judges the plan by the fence, a few legs at a time.
   void check_plan(const PlanDefaults& defaults);
   /// Why the straight way from the boat to an item, or the first place after it, leaves the fence.
   std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
                                   const PlanDefaults& defaults) const;
-  /// Before AUTO: judges the way from the boat to where the plan begins. Of a boat that moves, the
-  /// judgement is soon of no use: forget it.
+  /// Before AUTO: judges the way from the boat to where the plan begins. The judgement is soon out
+  /// of date if the boat moves: then call forget_way().
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
   void forget_way() { way_why_ = {}; }
-  /// The plan keeps the fence. While it is sailed, a judgement that is not over does not stop it.
+  /// The plan keeps the fence. While the plan is sailed, an unfinished judgement does not stop it.
   bool plan_keeps_fence(bool in_auto) const;
   /// Why not, for the operator; empty: it does, or there is no plan.
   std::string_view plan_trouble() const {
@@ -110,8 +109,8 @@ class MissionService {
     return fence_.is_on() ? way_why_ : std::string_view{};
   }
 
-  /// Where a boat that is `here` returns to: the nearest permitted rally point, one to which the way
-  /// is straight before others; else home.
+  /// The place to which a boat at `here` returns: the nearest permitted rally point, if possible
+  /// one with a straight way; home if there is none.
   convert::GlobalPoint return_place(const convert::Position& here, const convert::GlobalPoint& home,
                                     const PlanDefaults& defaults) const;
 
@@ -134,7 +133,7 @@ class MissionService {
   Store& store(Stored kind) { return stores_[static_cast<std::size_t>(kind)]; }
   const Store& store(Stored kind) const { return stores_[static_cast<std::size_t>(kind)]; }
   std::size_t homes_of(Plan items) const;
-  /// Without a home.
+  /// The items without a leading home.
   Plan sailed_of(Stored kind, Plan items) const;
   std::optional<link::Message> begin(const link::MissionCount& count, const Asker& asker,
                                      std::int64_t now_us);

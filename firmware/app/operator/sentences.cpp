@@ -10,7 +10,7 @@ namespace {
 
 float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
 
-/// The nearest 1/n, of a number under 1000.
+/// Rounds a number under 1000 to the nearest 1/n.
 float to_nearest(float x, int n) {
   const float scaled = static_cast<float>(n) * x;
   return static_cast<float>(static_cast<int>(scaled + (x < 0 ? -0.5F : 0.5F))) /

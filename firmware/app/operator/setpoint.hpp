@@ -11,14 +11,14 @@
 
 namespace flotilla::app {
 
-/// A place, or velocities; neither if `why` says what is wrong.
+/// A place or velocities; if neither, `why` gives the error.
 struct Setpoint {
   std::optional<Target> target{};
   std::optional<core::Drive<double>> drive{};
   std::string_view why{};
 };
 
-/// own: its place is known, and the origin of local places is its own.
+/// own: must have a known place; its origin is also that of local places.
 Setpoint setpoint_of(const link::SetPositionTargetLocalNed& message, const convert::OwnState& own);
 Setpoint setpoint_of(const link::SetPositionTargetGlobalInt& message);
 

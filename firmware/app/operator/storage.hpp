@@ -18,8 +18,8 @@
 
 namespace flotilla::app {
 
-/// State of a boat's links, and of the senders of signed messages; its plan, fence and rally points,
-/// and those that are being sent; with room for a list of logs, also for a piece of one and for a
+/// State of a boat's links, and of the senders of signed messages; its plan, fence and rally
+/// points, and those being received. If kLogs is not 0, also a list of logs, a piece of one, and a
 /// client's gaps.
 template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems,
           std::size_t kFenceItems, std::size_t kRallyPoints, std::size_t kLogs = 0>

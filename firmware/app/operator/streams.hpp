@@ -55,7 +55,7 @@ inline constexpr std::array kStreams{
     StreamInfo{link::MavEscInfo::kId, 116, Pace::kOnRequest, 0, true},
     StreamInfo{link::BatteryStatus::kId, 66, Pace::kFixed, 5'000'000, false},
     StreamInfo{link::NamedValueFloat::kId, 660, Pace::kSlow, 0, true},
-    // Off the second, at which most else is sent.
+    // Intervals other than 1 s, so that they do not stay in step with the streams above.
     StreamInfo{link::GpsRawInt::kId, 64, Pace::kFixed, 1'100'000, false},
     StreamInfo{link::VfrHud::kId, 32, Pace::kFixed, 900'000, false},
     StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},
@@ -127,8 +127,8 @@ class Streams {
   /// Sends that message at once, on every link that carries it.
   void make_due(std::uint16_t id);
 
-  /// The radio's free send buffer in percent: streams slow down while it fills, the state only as
-  /// far as followers can bear. After 5 s of silence the radio no longer limits.
+  /// The radio's free send buffer in percent: streams slow down while it fills, the state streams
+  /// only as far as followers tolerate. After 5 s of silence the radio no longer limits.
   void radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us);
   void forget_silent_radios(std::int64_t now_us);
 

@@ -261,7 +261,7 @@ bool can_compose(std::uint16_t id) {
                                  link::ComponentMetadata::kId,
                                  link::AvailableModes::kId,
                                  link::Odometry::kId};
-  if (id == link::FormationFuture::kId) return false;  // told by news only
+  if (id == link::FormationFuture::kId) return false;  // sent only as news
   return std::find(kOnceOnly.begin(), kOnceOnly.end(), id) != kOnceOnly.end() ||
          std::any_of(kStreams.begin(), kStreams.end(),
                      [&](const StreamInfo& info) { return info.id == id; });

@@ -17,7 +17,8 @@ namespace mav = link::mav;
 using core::Request;
 using core::State;
 
-// Bytes of a tick's 1400 to keep free: for heartbeat and state; with 24 answers besides.
+// Bytes of a tick's 1400 to keep free: kOwnRoom for heartbeat and state, kKeptRoom also for 24
+// answers.
 constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;
 constexpr std::size_t kSentenceRoom = 200;  // a sentence of two chunks
 
@@ -127,7 +128,7 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   return true;
 }
 
-/// Until the next tick answers it, unless it is a copy that came on another link.
+/// Keeps a request until the next tick answers it, unless it is a copy from another link.
 void Vehicle::keep(std::size_t link, const link::Received& received, const RequestMessage& request,
                    std::int64_t now_us, link::Counters& counters) {
   const PendingRequest pending{now_us,
@@ -270,7 +271,7 @@ bool Vehicle::answer(link::Counters& counters) {
   return more;
 }
 
-/// AUTO by the way from where the boat is now to the item that is chosen now.
+/// Judges AUTO by the way from the boat's present place to the item that is chosen now.
 Supervisor::Decision Vehicle::judge(Request request) {
   if (request == Request::kAuto && supervisor_.state() != State::kAuto &&
       missions_.fence().is_on()) {
@@ -281,7 +282,7 @@ Supervisor::Decision Vehicle::judge(Request request) {
   return supervisor_.request(request, now_us_);
 }
 
-/// Of the last report.
+/// The boat's place in the last report.
 std::optional<convert::Position> Vehicle::place() const {
   if (!report_.own || !report_.own->located) return std::nullopt;
   const convert::OwnState& own = report_.own->state;
@@ -353,7 +354,7 @@ void Vehicle::tell_misfit(link::Counters& counters) {
   send_statustext(mav::kSeverityWarning, {why.text()}, counters);
 }
 
-/// Sends as many as leave room for the heartbeat; the others come once these have been remedied.
+/// Sends as many as leave room for the heartbeat; the others follow once these are remedied.
 void Vehicle::send_complaints(std::string_view what, core::Conditions unmet,
                               link::Counters& counters) {
   for_each_complaint(unmet, [&](std::string_view why) {

@@ -68,7 +68,7 @@ class Vehicle {
   /// Applies the RC pilot's request, which overrides those of other operators.
   void apply_rc(link::Counters& counters);
 
-  /// A request by the fleet's rule, judged as an operator's, by the last report. False if it is
+  /// A request by the fleet's rule, judged like an operator's, with the last report. False if it is
   /// refused.
   bool obey(core::Request request, link::Counters& counters);
 
@@ -98,7 +98,7 @@ class Vehicle {
   void tell_reference(std::uint32_t news, const link::FormationReference& reference,
                       link::Counters& counters);
 
-  /// The same of FORMATION_FUTURE, each of which is sent twice; nothing if it is over.
+  /// The same for FORMATION_FUTURE; each future is sent twice. future: nothing if it is over.
   bool waits_for_future(std::uint32_t news) const;
   void tell_future(std::uint32_t news, const std::optional<link::FormationFuture>& future,
                    link::Counters& counters);
@@ -124,7 +124,8 @@ class Vehicle {
   /// An operator has paused the plan or the errand.
   bool is_paused() const { return paused_; }
 
-  /// How far AUTO has come: the item ahead, the one reached last; complete: that is the last one.
+  /// Takes the progress of AUTO: the item ahead, and the last one reached. complete: the plan is at
+  /// its end.
   void sailed(std::size_t item, std::optional<std::size_t> reached, bool complete,
               link::Counters& counters);
 
@@ -147,7 +148,7 @@ class Vehicle {
  private:
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
-  // What is rare is cold: in line it would enlarge the stack of `take`, which hears every state.
+  // Rare work is cold: inlined, it would enlarge the stack of `take`, which handles every state.
   [[gnu::cold]] void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                                  std::int64_t now_us, link::Counters& counters);
   bool take_rc(const link::Received& received, std::int64_t now_us);
@@ -246,7 +247,7 @@ class Vehicle {
     bool again = false;
   };
   std::array<ToldFuture, kMaxLinks> told_futures_{};
-  std::array<std::size_t, kMaxLinks> turn_{};  // next in turn among what can wait
+  std::array<std::size_t, kMaxLinks> turn_{};  // the next turn of tell_rest()
   struct Begun {
     std::size_t stream = kStreams.size();
     std::uint32_t told = 0;

@@ -73,7 +73,7 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
   }
 }
 
-/// Setpoints have no acknowledgement: what is refused is told, once in ten seconds.
+/// Setpoints have no acknowledgement: a text reports a refusal, at most once in ten seconds.
 void Vehicle::take_setpoint(const PendingRequest& pending) {
   if (!may_command(pending.from)) {
     ignored_ = "setpoint, not your boat";
@@ -237,7 +237,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
-  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not if denied
+  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // denied: neither is set
   if (asked.target && decision.granted) {
     target_ = asked.target;
     drive_.reset();

@@ -121,11 +121,11 @@ void Vehicle::tell(link::Counters& counters) {
 }
 
 /// All vessels in range answer each other's requests, which is most of a slow radio's load; so
-/// SR_SLOW below 1 Hz slows the requests. The own unit is asked every second all the same: if it
-/// does not answer, it counts as late.
+/// SR_SLOW below 1 Hz slows the requests. The own unit is still asked every second: if it does not
+/// answer, it counts as late.
 void Vehicle::ask_times(link::Counters& counters) {
   const link::Timesync request = time_.ask(now_us_, self().system);
-  const std::int64_t before_us = streams_.slowed_us(kSecond_us) - kSecond_us;  // a turn too early
+  const std::int64_t before_us = streams_.slowed_us(kSecond_us) - kSecond_us;  // one turn less
   const bool everywhere = now_us_ - asked_everywhere_us_ > before_us + kSecond_us / 20;
   if (everywhere) asked_everywhere_us_ = now_us_;
   const unsigned own = router_.links_to({self().system, 0}, now_us_);
@@ -134,7 +134,7 @@ void Vehicle::ask_times(link::Counters& counters) {
   }
 }
 
-/// Of a new leader alone, whose clock is not known yet: until it is, the boat coasts.
+/// Asks only a new leader, whose clock is not known yet. Until it is, the boat coasts.
 void Vehicle::ask_leaders_time(link::Counters& counters) {
   link::Timesync request = time_.ask(now_us_, self().system);
   request.target = {report_.leader, 0};
@@ -165,7 +165,8 @@ void Vehicle::tell_state(link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) tell_state(link, state, counters);
 }
 
-/// Sends attitude and position together or not at all.
+/// Checks the link's budget once for both, so that a slow link does not separate attitude and
+/// position.
 void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
   if (!links_.bucket(link).for_state()) return;
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
@@ -233,7 +234,8 @@ void Vehicle::tell_future(std::uint32_t news, const std::optional<link::Formatio
   }
 }
 
-/// Sends everything else in turn; what a slow link has no room for comes first in a later tick.
+/// Sends everything else in turn. Messages that do not fit on a slow link come first in a later
+/// tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
   const bool asked = parameter_service_.owes(link) || !ftp_.is_idle() || !logs_.is_idle();
   if (!streams_.any_due(link, now_us_) && !asked) return;
@@ -259,9 +261,9 @@ bool Vehicle::may_tell(std::size_t link) const {
   return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
-/// A stream with nothing to send yet stays due, but for those of which many boats never have
-/// anything. If a slow link cannot carry all its messages at once, it continues in a later tick,
-/// before all others except requested parameters.
+/// A stream with nothing to send yet stays due, except those that many boats never use. If a slow
+/// link cannot carry all its messages at once, it continues in a later tick, before all others
+/// except requested parameters.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.is_due(now_us_)) return false;

@@ -108,8 +108,8 @@ void Warnings<S>::warn_of_station(const Seen& seen) {
           .text());
 }
 
-/// Tells that a boat that sails alone makes no way, or is carried off its place, though it gives all
-/// its thrust: after 2 s, or at once where it holds because it does not respond.
+/// Reports that a boat that sails alone makes no way, or drifts from its place, at full thrust:
+/// after 2 s, or at once if it holds because it does not respond.
 template <class S>
 void Warnings<S>::warn_of_current(const Seen& seen) {
   const auto& e = seen.law.error.e;
@@ -140,8 +140,8 @@ void Warnings<S>::warn_of_unsound_slot(const Seen& seen) {
   }
 }
 
-/// Warns when the boat is armed, or when it learns then, that it is deeper in the tree than
-/// certified.
+/// Warns that an armed boat is deeper in the tree than certified: at arming, or when it learns this
+/// later.
 template <class S>
 void Warnings<S>::warn_of_depth(const Seen& seen) {
   const std::size_t depth = pilot_.tree_place().depth(seen.now_us);
@@ -151,7 +151,7 @@ void Warnings<S>::warn_of_depth(const Seen& seen) {
   warn(too_deep(depth, vehicle_.parameters().FORM_DEPTH).text());
 }
 
-/// By the sticks the fence is the driver's: he is warned, and the thrust goes on.
+/// In MANUAL the driver is responsible for the fence: the boat warns, and the thrust continues.
 template <class S>
 void Warnings<S>::warn_of_fence(const Seen& seen) {
   if (seen.state != core::State::kManual || (seen.conditions & core::kInsideFence) != 0) return;

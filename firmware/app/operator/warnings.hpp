@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Warns operators of what a boat finds wrong, once a tick: of its host, its navigation unit, its
-// slot, its fence, the water, its own model. Remembers what was told, so that a fault is told when
-// it begins, and again every 10 s or 30 s while it lasts. Decides nothing.
+// Warns operators of faults, once a tick: of the host, the navigation unit, the slot, the fence,
+// the water, the boat's own model. Remembers its warnings, so that it reports a fault when it
+// begins, and again every 10 s or 30 s while it lasts. Decides nothing.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ class Warnings {
 
   void send(const Seen& seen);
 
-  /// A boat out of its slot that the plan waits for, once; nothing: it waits for none.
+  /// Reports once a boat out of its slot that the plan waits for; nothing: it waits for none.
   void tell_waiting(std::optional<std::uint8_t> late);
   /// Another plan begins.
   void forget_waiting() { awaited_.reset(); }

@@ -69,7 +69,7 @@ Configuration configuration_of(const Parameters& p) {
                .margin_m = p.BOAT_LEN + p.WP_WIDTH,
                .room_m = std::max(15 * p.BOAT_LEN, 60.0F),
                .fastest_radps = 2 * p.LAW_R_MAX},
-      // Half of the astern thrust, within what Q16.16 can divide by.
+      // Brakes with half of the astern thrust, within the values that Q16.16 can divide by.
       .stopping = {.reaction_s = 1,
                    .brake_mps2 = std::clamp(p.THR_REV_MAX / p.VES_M11, 0.02F, 0.5F),
                    .drag_s = std::min(p.VES_M11 / p.VES_D11, 60.0F)},

@@ -84,7 +84,7 @@ struct Configuration {
   /// How the boat comes to rest, for the fence.
   struct Stopping {
     float reaction_s = 0, brake_mps2 = 0;
-    float drag_s = 0;  ///< in which the water takes away most of the speed
+    float drag_s = 0;  ///< time in which the drag takes away most of the speed
   };
 
   Start start;

@@ -8,9 +8,9 @@
 namespace flotilla::app {
 namespace {
 
-// The paper's vessel: its mass, and the length of the boat that goes with it by default.
+// The paper's vessel: its mass, and the default length of a boat of that mass.
 constexpr float kMass_kg = 1.012F, kLength_m = 1.3F;
-constexpr float kLoop_s = 0.018F;  // two ticks at 100 Hz, all but a little
+constexpr float kLoop_s = 0.018F;  // a little less than two ticks at 100 Hz
 constexpr float kSurgeRatio = 4.1844F, kYawRatio = 1.8102F;
 constexpr float kObserver = 1.0F, kObserverMost_radps = 2.0F;
 constexpr float kYawRateMost_radps = 0.8F, kMomentShare = 0.6F, kAnySpeed_mps = 1.5F;
@@ -28,7 +28,7 @@ float lag_s(const Parameters& p) {
   return kLoop_s + (p.THR_LAG < 0 ? std::clamp(unknown, 0.0F, kMost_s) : p.THR_LAG);
 }
 
-/// To three decimals, so that an operator reads 10 where the sum is 9.99998.
+/// Rounds to three decimals, so that an operator reads 10 where the result is 9.99998.
 float rounded(float gain) {
   constexpr float kMost = 10'000;
   const float thousandths = 1000 * std::clamp(gain, 0.0F, kMost);

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Gains that scale with the boat: what a negative LAW_KDU, LAW_KDR, LAW_OBS_BW, LAW_CUR_BW,
-// LAW_XT_DIST or LAW_R_MAX stands for. A value that an operator sets counts as it is.
+// Gains that scale with the boat. They replace a negative LAW_KDU, LAW_KDR, LAW_OBS_BW, LAW_CUR_BW,
+// LAW_XT_DIST or LAW_R_MAX; other values count as they are set.
 //
 //   τ = THR_LAG + τ₀                       lag of the propellers, and τ₀ = 18 ms of the loop itself
 //   T_u = 4.18 τ,  T_r = 1.81 τ            time constants of the velocity loops
-//   k_du = m11 / T_u − d11                 m11 ė_u = −(d11 + k_du) e_u; what the drag gives already
-//   k_dr = m33 / T_r − d33                 is not asked of the gain
+//   k_du = m11 / T_u − d11                 m11 ė_u = −(d11 + k_du) e_u: the gain adds only the
+//   k_dr = m33 / T_r − d33                 damping that the drag does not give
 //   ω = min(2 rad/s, 1 / T_u)              the observer is not faster than the loops
 //   ω_c = 0.1 rad/s max(1, min(T_v, 6/T_v))   T_v = m22 / d22: a hull that drifts on for long looks
-//                                          like a current, whose estimate is then to follow the drift
+//                                          like a current, and the estimate should follow the drift
 //   Δ = min(L / 1.3, max(1 m, 2 u_max T_r))   look-ahead: the lateral loop T_r ÿ + ẏ + y u/Δ = 0
-//                                          has the damping 0.7 at u_max. Longer only costs: what
-//                                          the course is wrong by puts the boat Δ times that aside
+//                                          has the damping 0.7 at u_max. A longer Δ only costs: an
+//                                          error of the course puts the boat Δ times it aside
 //   r_max = min(0.8 · 1.3 m / max(L, 1.3 m), 0.6 N_max / (d33 + d33u u_max / 2)) rad/s
 //
 //   unknown THR_LAG: 20 ms (√(m11 / 1.012 kg) − 1), within 0 … 0.5 s
 //
-// The paper's vessel, without lag, gets the paper's k_du = k_dr = 10. Its loops have T_u and T_r of
-// 75 and 33 ms; the ratios to τ₀ are those of any other boat. With a lag τ the loop m ν̇ = X − d ν,
+// The paper's vessel, without lag, gets the paper's k_du = k_dr = 10. Its loops have T_u = 75 ms
+// and T_r = 33 ms; every boat has the same T_u/τ and T_r/τ. With a lag τ the loop m ν̇ = X − d ν,
 // τ Ẋ = −k ν − X has the damping ζ = ½ √(T/τ), about 1.0 in surge and 0.67 in yaw.
 #pragma once
 
@@ -31,19 +31,19 @@ namespace flotilla::app {
 /// The same parameters with each negative gain replaced by the derived one.
 Parameters derived(const Parameters& p);
 
-/// A gain that makes a loop whose time constant does not go with another one.
+/// A gain whose loop has a time constant that does not fit another one.
 struct Misfit {
   std::string_view gain;
   float value;
   float time_s;
   std::string_view loop;
-  std::string_view other;  ///< which allows
+  std::string_view other;  ///< the parameter that limits it
   float allowed_s;
-  bool more;  ///< allowed_s or more; otherwise or less
+  bool more;  ///< true: allowed_s or more; false: or less
 };
 
-/// The first gain that does not fit the hull, whether an operator set it or it is derived. Each loop
-/// is to have a damping of ½ or more with the one inside it:
+/// The first gain that does not fit the hull, whether an operator set it or it is derived. Each
+/// loop must have a damping of ½ or more together with the loop inside it:
 ///
 ///   too fast for the propellers   ζ² = (m + d τ)² / (4 m τ (d + k)) < ¼, observer: ω τ > 1
 ///   too slow for the outer loop   T_u k_x > 1, T_r k_ψ > 1

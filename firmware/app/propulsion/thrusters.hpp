@@ -27,7 +27,7 @@ class Thrusters {
         port_{law.port_curve, propulsion.port_esc, propulsion.port_reversed},
         stbd_{law.stbd_curve, propulsion.stbd_esc, propulsion.stbd_reversed} {}
 
-  /// Other curves from the next step on; the commands go on from where they are.
+  /// Uses other curves from the next step on; the commands continue from their present values.
   void set_curves(const convert::Law<S>& law) {
     propellers_ = law.controller.propellers;
     port_.curve = law.port_curve;

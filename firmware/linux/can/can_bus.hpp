@@ -51,8 +51,8 @@ class CanBus {
   /// Why the device could not be opened; empty if it could.
   virtual std::string fault() const = 0;
 
-  /// The interface is up and not bus-off. After a bus-off, however short, false from the receive()
-  /// that read of it until the next maintain().
+  /// The interface is up and not bus-off. After a bus-off, however short, it is false from the
+  /// receive() that reports the bus-off until the next maintain().
   virtual bool usable() const = 0;
 
   const CanBusCounters& counters() const { return counters_; }

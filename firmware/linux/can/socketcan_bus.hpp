@@ -13,7 +13,8 @@ struct can_frame;
 
 namespace flotilla::target {
 
-/// Other programs on this machine receive the frames it sends (candump works); it does not itself.
+/// Other programs on this machine receive the frames it sends (candump works); the object itself
+/// does not.
 ///
 /// After a bus-off nothing is sent until the kernel has sent or dropped all our frames, so no new
 /// command queues behind old ones. The socket stays open: the kernel would keep a closed socket's

@@ -31,7 +31,8 @@ void require_scheme(std::string_view address, std::initializer_list<std::string_
                    " (allowed: " + allowed + "…)");
 }
 
-/// Four fifths of a serial line's capacity, 8N1, as a full line delays all that follows; else 0.
+/// Four fifths of a serial line's capacity (8N1), because a full line delays all later messages; 0
+/// for other links.
 std::uint32_t default_rate(std::string_view address) {
   if (!address.starts_with("serial:")) return 0;
   constexpr std::uint32_t kBitsPerByte = 10;

@@ -13,7 +13,8 @@
 
 namespace flotilla::target {
 
-/// A value that is not allowed, and what is; the catcher adds the file and key, or the option.
+/// A value that is not allowed, with the allowed ones; the catcher adds the file and key, or the
+/// option.
 struct ValueError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

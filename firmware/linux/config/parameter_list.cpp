@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kPlain = 2, kGroundControl = 5;  // columns
 
-/// The words of a line, which blanks, tabs or commas separate; a # begins a comment.
+/// The words of a line, separated by blanks, tabs or commas; a # begins a comment.
 std::vector<std::string> words_of(std::string line) {
   line.erase(std::min(line.find('#'), line.size()));
   for (char& c : line) {

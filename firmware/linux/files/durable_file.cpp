@@ -72,7 +72,7 @@ std::optional<std::string> replace_file(const std::filesystem::path& path,
                                         std::string_view content) {
   const auto fresh = beside(path, ".new");
   const auto directory = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  std::error_code ignored;  // a missing directory still shows when the file is opened
+  std::error_code ignored;  // without a directory, opening the file fails
   std::filesystem::create_directories(directory, ignored);
   {
     const FileDescriptor file(

@@ -102,8 +102,8 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
   if (!names.empty()) loaded.notes.push_back(where + ": not in it, so default: " + names);
 }
 
-/// Files older than NAV_COMPID hold 0 as the default of these parameters; it has another meaning
-/// since.
+/// Files older than NAV_COMPID hold 0 as the default of these parameters; 0 has another meaning
+/// since then.
 void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
                     const std::string& where, LoadedParameters& loaded) {
   const auto has = [&](std::string_view name) {

@@ -41,7 +41,7 @@ app::PlanItem item_of(const std::string& line) {
   unsigned command = 0, frame = 0, autocontinue = 0;
   std::array<unsigned, 5> bits{};
   app::PlanItem item;
-  // What does not fit shows where the file is compared with what its items would be written as.
+  // Does not check the line: load_plan() compares the file with the text that its items would give.
   (void)std::sscanf(line.c_str(), "%u %u %u %d %d %8X %8X %8X %8X %8X", &command, &frame,
                     &autocontinue, &item.x, &item.y, &bits[0], &bits[1], &bits[2], &bits[3],
                     &bits[4]);

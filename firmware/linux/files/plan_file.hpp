@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The boat's plan, fence or rally points on disk: bit for bit as their sender gave them, with a
-// checksum. The first line names which, as the file's name does.
+// checksum. The first line names the kind, as the file's name does.
 //
 //   flotilla-plan 1
 //   16 6 1 473977420 85455940 00000000 3FC00000 00000000 7FC00000 00000000
 //   …
 //   crc32 = 89ABCDEF
 //
-// A line is an item: MAV_CMD, frame, autocontinue, x, y, and as the bits of floats parameters 1 to 4
-// and z. The file is replaced by a rename, so after a crash it holds the old items or the new ones.
+// A line is an item: MAV_CMD, frame, autocontinue, x, y; then parameters 1 to 4 and z, as the bits
+// of floats. The file is replaced by a rename, so after a crash it holds the old items or the new
+// ones.
 #pragma once
 
 #include <chrono>
@@ -32,7 +33,7 @@ struct LoadedPlan {
 /// Never throws for the content of the disk.
 LoadedPlan load_plan(const std::filesystem::path& path);
 
-/// The content of the file of that name.
+/// The content of a file of that name with these items.
 std::string plan_text(const std::filesystem::path& path, app::Plan plan);
 
 /// Writes the items in its own thread, as a boat that sails must not wait for the disk.

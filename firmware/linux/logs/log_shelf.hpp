@@ -40,7 +40,7 @@ class LogShelf {
 
   /// Ignored while a question is open.
   void ask(const Question& question);
-  /// Once for each question.
+  /// The answer to the last question, once.
   std::optional<Answer> take();
 
  private:

@@ -6,7 +6,7 @@
 
 namespace flotilla::target {
 
-/// A default-constructed `Device` is closed. Functions are for the loop unless they say otherwise.
+/// A default-constructed `Device` is closed. Functions are for the loop unless marked otherwise.
 template <class Device>
 class Reopened {
  public:

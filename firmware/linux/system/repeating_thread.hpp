@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Work that may wait for a disk or a device, again and again, beside the control loop.
+// Repeats work that may wait for a disk or a device, in a thread beside the control loop.
 #pragma once
 
 #include <pthread.h>
