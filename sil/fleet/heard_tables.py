@@ -1,26 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The tables that boats pass on, as a station overhears them: the members and their places."""
 
-import struct
 from collections.abc import Collection
-from typing import NamedTuple
 
-from sil.scenario.formation import Place
+from sil.wire.fleet_table import HeardTable, heard_table
 from sil.wire.mavlink_ear import Ear
-from sil.wire.mavlink_frames import HEADER, MAGIC_2, frames
+from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import FLEET_TABLE
 
-_HEAD, _MEMBER = struct.Struct("<HHHB"), struct.Struct("<BBBBhh")
-_TURNS = 1
 _MOST_SENDERS = 255
-
-
-class HeardTable(NamedTuple):
-    """`turns`: the places are ahead and to starboard, m; else north and east."""
-
-    epoch: int
-    turns: bool
-    places: dict[int, Place]
 
 
 class HeardTables:
@@ -38,7 +26,7 @@ class HeardTables:
             sender = system, component
             if not sound or (len(self._of) >= _MOST_SENDERS and sender not in self._of):
                 continue
-            told = _table_of(frame)
+            told = heard_table(frame)
             known = self._of[sender].places if sender in self._of else {}
             self._of[sender] = told._replace(places=known | told.places)
 
@@ -49,16 +37,3 @@ class HeardTables:
         for table in sorted(told, key=lambda one: one.epoch):
             whole = table._replace(places=whole.places | table.places)
         return whole
-
-
-def _table_of(frame: bytes) -> HeardTable:
-    payload = frame[HEADER[MAGIC_2] : HEADER[MAGIC_2] + frame[1]]
-    payload += bytes(_HEAD.size + -(len(payload) - _HEAD.size) % _MEMBER.size)
-    _, epoch, _, flags = _HEAD.unpack_from(payload)
-    places: dict[int, Place] = {}
-    at = _HEAD.size
-    while at + _MEMBER.size <= len(payload) and payload[at] != 0:
-        system, _, _, _, x_cm, y_cm = _MEMBER.unpack_from(payload, at)
-        places[system] = 0.01 * x_cm, 0.01 * y_cm
-        at += _MEMBER.size
-    return HeardTable(epoch, bool(flags & _TURNS), places)

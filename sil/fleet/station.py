@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.fleet.ends import Clock, End, Peer, RealTime
-from sil.fleet.heard_tables import HeardTable, HeardTables
+from sil.fleet.heard_tables import HeardTables
 from sil.view.seen_fleet import Fleet
 from sil.wire import mavlink_messages as messages
-from sil.wire.fleet_table import Beacon, beacon_of
+from sil.wire.fleet_table import Beacon, HeardTable, beacon_of
 from sil.wire.heartbeat import AUTO, FORMATION, GUIDED, HOLD, LOITER, MANUAL, RTL
 from sil.wire.mavlink_ear import Ear, Message
 from sil.wire.mavlink_frames import frames

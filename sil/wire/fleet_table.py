@@ -7,6 +7,8 @@ first.
 
 import struct
 from collections.abc import Iterator, Sequence
+from itertools import takewhile
+from operator import itemgetter
 from typing import NamedTuple
 
 from pymavlink.generator.mavcrc import x25crc
@@ -34,6 +36,14 @@ class Member(NamedTuple):
     length_m: float
     can_lead: bool = True
     only_leads: bool = False
+
+
+class HeardTable(NamedTuple):
+    """The places of a table, m, by system id: north and east; ahead and to starboard if `turns`."""
+
+    epoch: int
+    turns: bool
+    places: dict[int, tuple[float, float]]
 
 
 class Beacon(NamedTuple):
@@ -71,6 +81,15 @@ def table_message(
     return _frame(FLEET_TABLE, payload.rstrip(b"\0"), sender)
 
 
+def heard_table(frame: bytes) -> HeardTable:
+    """The places in a FLEET_TABLE frame, whose checksum was compared before."""
+    payload = _payload(frame)
+    _, epoch, _, flags = _TABLE.unpack_from(payload)
+    members = takewhile(itemgetter(0), _MEMBER.iter_unpack(payload[_TABLE.size :]))
+    places = {system: (0.01 * x_cm, 0.01 * y_cm) for system, _, _, _, x_cm, y_cm in members}
+    return HeardTable(epoch, bool(flags & _TURNS), places)
+
+
 def beacons(data: bytes) -> Iterator[tuple[int, Beacon]]:
     """The beacons in whole frames, with their senders' system ids."""
     if FLEET_BEACON.to_bytes(3, "little") not in data:
@@ -93,12 +112,18 @@ def digest_of(message: bytes) -> int:
 
     FNV-1a, folded to 15 bits; the highest bit is set for a table that stops the boats.
     """
-    payload = message[HEADER[MAGIC_2] : HEADER[MAGIC_2] + message[1]].ljust(_TABLE_BYTES, b"\0")
+    payload = _payload(message)
     value = 2166136261
     move, flags, members = payload[4:6], payload[6:7], payload[_TABLE.size :]
     for byte in flags + move + members:
         value = (value ^ byte) * 16777619 & 0xFFFFFFFF
     return (value ^ value >> 16) & 0x7FFF | 0x8000 * bool(flags[0] & _STOP)
+
+
+def _payload(frame: bytes) -> bytes:
+    """Of a FLEET_TABLE frame, with the zeros that MAVLink 2 leaves out."""
+    payload = frame[HEADER[MAGIC_2] : HEADER[MAGIC_2] + frame[1]].ljust(_TABLE_BYTES, b"\0")
+    return payload[:_TABLE_BYTES]
 
 
 def _packed(member: Member) -> bytes:
