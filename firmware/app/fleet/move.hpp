@@ -14,8 +14,8 @@ namespace flotilla::app {
 
 constexpr double kMoveRamp_s = 5;
 
-/// A boat turns about in some 6 s with the default gains, and begins that long before its place
-/// reverses.
+/// A boat turns about in some 6 s with the default gains. It begins half of that time before its
+/// place reverses.
 constexpr double kTurnAhead_s = 3;
 
 struct FleetMove {
