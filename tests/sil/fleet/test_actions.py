@@ -45,12 +45,16 @@ def form(waters: Waters, shape: str, spacing_m: float | None = None) -> None:
 
 
 def off_m(waters: Waters, shape: str, spacing_m: float) -> float:
-    """How far the worst boat is from the shape's places, however these are given to the boats."""
+    """How far the worst boat is from the shape's places, relative to the boat in the first one.
+
+    Any boat may have any place, the leader too.
+    """
     (x, y), *others = slots(Formation(shape=shape, boats=len(BOATS), spacing_m=spacing_m))  # type: ignore[arg-type]
     wanted = np.array([(0.0, 0.0), *((a - x, b - y) for a, b in others)])
     found = waters.places()
-    orders = [[0, *rest] for rest in permutations(range(1, len(BOATS)))]
-    return min(float(np.hypot(*(found[order] - wanted).T).max()) for order in orders)
+    orders = [list(order) for order in permutations(range(len(BOATS)))]
+    shapes = [found[order] - found[order[0]] for order in orders]
+    return min(float(np.hypot(*(shape - wanted).T).max()) for shape in shapes)
 
 
 def test_status_tells_in_its_first_line_whether_all_is_well(waters: Waters) -> None:
