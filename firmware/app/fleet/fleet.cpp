@@ -243,7 +243,8 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
 }
 
 double Fleet::since_s(std::int64_t now_us) const {
-  return 1e-6 * static_cast<double>((now_us - begun_us_) / kMove_us * kMove_us);
+  const std::int64_t steps = (now_us - begun_us_) / kMove_us;
+  return 1e-6 * static_cast<double>(steps * kMove_us);
 }
 
 /// Of the way to the new places.
