@@ -74,7 +74,7 @@ struct OtherVessel {
 
 constexpr std::size_t kMaxVessels = 8;
 
-/// Among which a boat that yields chooses, from north on.
+/// Courses among which a boat that yields chooses, evenly spaced from north on.
 constexpr unsigned kCourses = 16;
 
 template <class S>

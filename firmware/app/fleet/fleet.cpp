@@ -146,9 +146,11 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   const auto now_rank = rank_in(ledger_.current(), from);
   if (!now_rank) return;
   std::uint32_t& ahead_ms = heard_[*now_rank].ahead_ms;
-  if (beacon.epoch <= held.epoch) ahead_ms = 0;
-  if (held.epoch < beacon.epoch && ahead_ms == 0)
+  if (beacon.epoch <= held.epoch) {
+    ahead_ms = 0;
+  } else if (ahead_ms == 0) {
     ahead_ms = std::max<std::uint32_t>(ms_of(now_us), 1);
+  }
   FleetPeer& peer = peers_[*now_rank];
   peer.fit = (beacon.flags & kFit) != 0;
   peer.leads = (beacon.flags & kLeads) != 0;

@@ -96,10 +96,10 @@ class Fleet {
   };
 
   /// A member sends its beacons and all else from one component; 0: no beacon was heard yet.
+  /// ahead_ms: since when it names a greater epoch than this boat's; 0: it does not.
   struct Heard {
     std::int64_t at_us = kNever;
-    std::uint32_t ahead_ms =
-        0;  // since when it names a greater epoch than this boat's; 0: it does not
+    std::uint32_t ahead_ms = 0;
     std::uint8_t component = 0;
   };
 
