@@ -289,6 +289,7 @@ TEST_CASE("a member that leads by a table which nobody has is believed for ten s
   link::FleetBeacon beacon{};
   beacon.epoch = 60'000;
   beacon.flags = 3;  // fit, leads
+  beacon.plan_id = 77;
   const auto repeat = [&](int tenths) {
     for (int tenth = 0; tenth < tenths; ++tenth) {
       for (std::size_t who = 0; who < 3; ++who) harbour.hear(who, beacon, {4, 1});
@@ -296,7 +297,8 @@ TEST_CASE("a member that leads by a table which nobody has is believed for ten s
     }
   };
   repeat(95);
-  CHECK(harbour.leader_of(2) == 4);
+  CHECK(harbour.leader_of(1) == 4);
+  CHECK(harbour.leader_of(2) == 2);
   CHECK(harbour.boats[0].state == core::State::kFormation);
   repeat(25);  // the first one leads again
   CHECK(harbour.boats[0].state == core::State::kAuto);
