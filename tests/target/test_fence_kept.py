@@ -174,7 +174,7 @@ def test_auto_is_judged_from_where_the_boat_has_sailed_meanwhile() -> None:
 def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
     sea = fenced([at(50, 0)], box(50, 0, 20))
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert "Refused: outside the fence, or place unknown" in words(sea)
+    assert "Refused: outside fence, or position unknown" in words(sea)
     before = len(sea.ticks)
     sea.say(sticks(0, 0))
     sea.mode(MANUAL)
@@ -183,7 +183,7 @@ def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
         sea.run(0.1)
     assert sea.state == "MANUAL" and all(c > 0 for c in sea.commands)
     warned = [said.text for said in sentences(sea.ticks[before:])]
-    assert 1 <= warned.count("outside the fence, or place unknown") <= 2
+    assert 1 <= warned.count("outside fence, or position unknown") <= 2
 
 
 FENCES = {
@@ -207,7 +207,7 @@ def test_behind_a_leader_that_leaves_the_fence_the_boat_stops_before_it(
     assert send(sea, FENCE, fence) == ITEM_ACCEPTED
     sea.enter_formation()
     sea.run_until("HOLD", 30.0)
-    assert texts([sea.ticks[-1]]) == ["HOLD: outside the fence, or place unknown"]
+    assert texts([sea.ticks[-1]]) == ["HOLD: outside fence, or position unknown"]
     assert beyond(*place(sea)) > -1.0 - 2.5 * speed, "not sooner than it must"
     sea.run(5.0)
     assert beyond(*place(sea)) < 0 and not any(sea.commands)

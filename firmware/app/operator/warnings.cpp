@@ -157,7 +157,7 @@ void Warnings<S>::warn_of_fence(const Seen& seen) {
   if (seen.state != core::State::kManual || (seen.conditions & core::kInsideFence) != 0) return;
   if (!fence_due_.take_if_due(seen.now_us)) return;
   const bool ahead = !seen.fence.stays() && !seen.fence.is_outside();
-  warn(ahead ? "fence ahead, or place unknown" : "outside the fence, or place unknown");
+  warn(ahead ? "fence ahead, or position unknown" : "outside fence, or position unknown");
 }
 
 /// Reports a newly estimated latency of 0.03 s or more, and whether it is compensated.
