@@ -84,14 +84,14 @@ constexpr std::string_view refusal_of(std::uint32_t message_id) {
   switch (message_id) {
     case 82:   // SET_ATTITUDE_TARGET
     case 139:  // SET_ACTUATOR_CONTROL_TARGET
-      return "setpoint is no place or velocity";
+      return "use position or velocity setpoints";
     case 70:  // RC_CHANNELS_OVERRIDE
-      return "RC override, send MANUAL_CONTROL";
+      return "RC override: use MANUAL_CONTROL";
     case 48:   // SET_GPS_GLOBAL_ORIGIN
     case 243:  // SET_HOME_POSITION
-      return "origin and home are the boat's own";
+      return "origin and home cannot be set";
     case 121:  // LOG_ERASE
-      return "logs are not erased from afar";
+      return "logs cannot be erased remotely";
     default:
       return {};
   }
