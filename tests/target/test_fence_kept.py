@@ -119,7 +119,7 @@ def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
 ) -> None:
     sea = fenced(plan, box(0, 0, 20))
     sea.run(0.5)
-    assert f"Plan is bad at item {item}: outside the fence" in words(sea)
+    assert f"Plan invalid at item {item}: outside the fence" in words(sea)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "HOLD"
     assert words(sea)[-1] == "Plan: outside the fence"
     assert send(sea, FENCE, box(0, 0, 30)) == ITEM_ACCEPTED

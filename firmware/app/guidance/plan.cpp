@@ -154,7 +154,7 @@ PlanFault fault_of_place(const PlanItem& item) {
   if (const PlanFault fault = fault_of_frame(item)) return fault;
   if (convert::is_valid({item.x, item.y, 0, 0})) return {};
   const bool turned = item.x < -890'000'000 || item.x > 890'000'000;
-  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "no such place"};
+  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "invalid position"};
 }
 
 PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item) {

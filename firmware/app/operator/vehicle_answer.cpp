@@ -146,7 +146,7 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   if (news->kind != Kind::kStored) {
     if (!refusal_due_.take_if_due(now_us_)) return;
     const std::string_view how =
-        news->kind == Kind::kRefused ? " refused at item " : " is bad at item ";
+        news->kind == Kind::kRefused ? " refused at item " : " invalid at item ";
     told << name << how << static_cast<float>(news->item) << ": " << news->why;
     send_statustext(mav::kSeverityWarning, {told.text()}, counters);
     return;
