@@ -77,7 +77,7 @@ def test_a_damaged_file_falls_back_to_the_previous_one_and_says_so(
     sea.arm()
     assert sea.source_node() == 33
     assert "parameters.txt is damaged" in sea.process.words
-    assert "the parameters are those of parameters.txt.previous" in sea.process.words
+    assert "parameters loaded from parameters.txt.previous" in sea.process.words
     assert sea.end() == 0
     assert is_whole(file.read_text()) and "CAN_NODE = 33\n" in file.read_text()
 
