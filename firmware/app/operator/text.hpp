@@ -56,7 +56,7 @@ inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
     {core::kGainsFit, "a gain does not fit the hull"},
     {core::kParametersSaved, "parameters are not saved"},
-    {core::kSticksFresh, "no MANUAL_CONTROL or RC input"},
+    {core::kSticksFresh, "no sticks (MANUAL_CONTROL or RC)"},
     {core::kSticksCentred, "centre the sticks first"},
     {core::kTestRunning, "no motor test is running"},
     {core::kCoastRunning, "FS_COAST_S elapsed", "FS_COAST_S"},
