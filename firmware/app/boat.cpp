@@ -182,7 +182,7 @@ void Boat<S>::note_state(std::int64_t now_us) {
   if (was == core::State::kDisarmed && core::armed(state()) && !pilot_.own_quality().told() &&
       (conditions_ & core::kOwnFresh) != 0) {
     vehicle_.send_statustext(link::mav::kSeverityInfo,
-                             {"navigation quality is not reported, not checked"}, counters_);
+                             {"navigation quality not reported: not checked"}, counters_);
   }
   if (!core::sails_alone(state())) vehicle_.take_target();  // it came before another request
   if (was == state()) return;

@@ -38,7 +38,7 @@ std::optional<std::string_view> contradiction(const Parameters& p) {
     return "THR_DEAD is not below THR_FWD_MAX and THR_REV_MAX";
   }
   if (p.MAV_IDENTITY == 1.0F && p.MAV_COMPID == 1.0F) {
-    return "MAV_COMPID 1 is the autopilot's own, a companion (MAV_IDENTITY 1) takes 191";
+    return "companion (MAV_IDENTITY 1): set MAV_COMPID 191";
   }
   if (p.FORM_LEADER == p.MAV_SYSID) return "FORM_LEADER is this boat's own MAV_SYSID";
   return std::nullopt;

@@ -141,17 +141,18 @@ void Loop::secure() {
   if (stored.timestamp > clock + kWorthSaying) {
     messages_.put("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
                   " s behind " + config_.signing_time_file().filename().string() +
-                  ": who signs by another clock may be refused");
+                  ": messages signed by other clocks may be refused");
   }
   boat_->secure(key, clock, stored.timestamp);
   signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
   if (!signing_time_->clock_is_set()) {
     messages_.put(
-        "the clock is a guess: signatures may be old until the navigation unit tells the time");
+        "the clock is not set: old signatures may be accepted until the navigation unit sends the "
+        "time");
   }
   for (const MavlinkLinkConfig& link : config_.mavlink) {
     if (config_.policy(link) == app::SigningPolicy::kRequired) continue;
-    messages_.put("unsigned messages are taken on " + link.address);
+    messages_.put("unsigned messages are accepted on " + link.address);
   }
 }
 
@@ -162,12 +163,12 @@ void Loop::ask_for_real_time() {
     wish.sched_priority = config_.priority;
     if (::sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
       messages_.put("SCHED_FIFO refused (" + std::string(std::strerror(errno)) +
-                    "): ordinary priority");
+                    "): running at normal priority");
     }
   }
   if (config_.lock_memory && ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     messages_.put("locked memory refused (" + std::string(std::strerror(errno)) +
-                  "): memory may be paged");
+                  "): memory may be swapped out");
   }
 }
 
@@ -330,12 +331,12 @@ void Loop::maintain_devices(std::int64_t now_us) {
   if (const int error = stop_.error(); std::exchange(stop_error_, error) != error) {
     messages_.put(
         "stop switch " + config_.stop.chip + ": " +
-        (error == 0 ? "is there" : std::string(std::strerror(error)) + ", counts as pressed"));
+        (error == 0 ? "found" : std::string(std::strerror(error)) + ", counts as pressed"));
   }
   bus_->maintain();
   if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
     const std::string fault = bus_->fault();
-    messages_.put(config_.can + (bus_usable_ ? " is up" : " is down or not there") +
+    messages_.put(config_.can + (bus_usable_ ? " is up" : " is down or missing") +
                   (fault.empty() ? "" : ": " + fault));
   }
   for (std::size_t i = 0; i < links_.size(); ++i) {

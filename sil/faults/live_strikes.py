@@ -33,7 +33,7 @@ def _words(outing: LiveOuting) -> str:
 def _bus_untold(outing: LiveOuting) -> str:
     # other lines may follow, about late ticks on a busy machine
     told = [line for line in _words(outing).splitlines() if INTERFACE in line]
-    is_told = bool(told) and "is down or not there" in told[-1]  # ": no such interface" may follow
+    is_told = bool(told) and "is down or missing" in told[-1]  # ": no such interface" may follow
     return "" if is_told else "flotillad does not say that its bus is down"
 
 

@@ -115,7 +115,7 @@ TEST_CASE_TEMPLATE("leader silent: the boat coasts from the timeout on, then bot
   }
   CHECK(h.now_us == last_us + 6'000'000);
   CHECK(h.boat.state() == State::kHold);
-  CHECK(h.says("HOLD: FS_COAST_S is over"));
+  CHECK(h.says("HOLD: FS_COAST_S elapsed"));
   CHECK(h.stopped());
   h.leader_talks = true;
   h.sail(2);

@@ -41,7 +41,7 @@ TEST_CASE_TEMPLATE("a boat whose parameters fell to defaults is armed by nobody 
   Harbour<S> h;
   h.boat.on_host({.parameters_saved = false});
   h.step();
-  CHECK(h.says("parameters are defaults: look at them and save"));
+  CHECK(h.says("parameters are defaults: check and save them"));
   h.sail(2);
   h.arm();
   h.step();

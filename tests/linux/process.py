@@ -371,7 +371,7 @@ class RealSea:
         self.until(self.driven)
 
     def save_parameters(self) -> None:
-        self.insist(lambda: "saved (asked for)" in self.process.words, STORAGE, 1.0)
+        self.insist(lambda: "saved (on request)" in self.process.words, STORAGE, 1.0)
 
     def set_parameter(self, name: str, value: float) -> None:
         """Set a parameter; wait until the boat confirms it."""

@@ -90,7 +90,7 @@ def test_real_time_and_locked_memory_that_are_refused_are_said_and_no_more(
     sea.start("--priority=50", "--lock-memory", prefix=prefix)
     sea.enter_formation()
     words = sea.process.words
-    assert "SCHED_FIFO refused (Operation not permitted): ordinary priority" in words
+    assert "SCHED_FIFO refused (Operation not permitted): running at normal priority" in words
     assert "locked memory refused" in words
     assert sea.end() == 0
     assert (sea.state_dir / "parameters.txt").exists()

@@ -124,7 +124,7 @@ def test_a_key_that_others_may_read_is_refused(bus: int, tmp_path: Path, key: Pa
         f"--state-dir={tmp_path}",
         f"--signing-key={key}",
     )
-    assert f"signing-key {key} has mode 0644: others may use the key (allowed: nothing" in said
+    assert f"signing-key {key} has mode 0644: others can access the key (allowed: nothing" in said
     assert not (tmp_path / "signing_time.txt").exists()
 
 

@@ -151,7 +151,7 @@ def test_a_plan_that_begins_over_a_kilometre_away_is_not_sailed() -> None:
     sea.mode(AUTO)
     ticks = sea.run(0.2)
     assert sea.state == "HOLD" and not any(any(tick.commands) for tick in ticks)
-    assert any("1 km off" in text for text in texts(sea.ticks[-40:]))
+    assert any("1 km away" in text for text in texts(sea.ticks[-40:]))
 
 
 def test_the_plan_under_way_is_not_changed_and_afterwards_it_is() -> None:

@@ -35,7 +35,7 @@ def test_a_silent_leader_is_followed_for_a_while_and_no_harder(coast_s: float, r
     assert sea.state == "HOLD" and sea.commands == (0, 0)
     assert texts(sea.ticks)[-2:] == [
         "COAST: leader's state is not fresh",
-        "HOLD: FS_COAST_S is over",
+        "HOLD: FS_COAST_S elapsed",
     ]
 
 

@@ -122,7 +122,7 @@ def test_from_outside_the_fence_a_boat_is_armed_again_and_driven() -> None:
     tick = sea.arm()
     assert acks(tick) == [(ARM, ACCEPTED)]
     said = [said.text for said in sentences([tick])]
-    assert ONLY + "outside the fence, or place unknown" in said
+    assert ONLY + "outside fence, or position unknown" in said
     drive(sea, 0, 0, 0.3)
     sea.mode(MANUAL)
     drive(sea, -500)

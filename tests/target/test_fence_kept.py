@@ -70,11 +70,11 @@ def fenced(
 #: A plan's last item, and how it offends a square of 20 m, half, with a hole at (10, 10).
 LEGS = [
     (at(20 - HULL - 0.1, 0), None),
-    (at(20 - HULL + 0.1, 0), "too near to the fence"),
+    (at(20 - HULL + 0.1, 0), "too near the fence"),
     (at(23, 0), "outside the fence"),
     (at(10, 10), "outside the fence"),
-    (at(10, 10 + 3 + HULL - 0.1), "too near to the fence"),
-    (at(16, 16), "the way there leaves the fence"),
+    (at(10, 10 + 3 + HULL - 0.1), "too near the fence"),
+    (at(16, 16), "path crosses the fence"),
     (at(16, 0), None),
     (at(0, 2001), "over 2 km from the first"),
 ]
@@ -107,7 +107,7 @@ def test_a_leg_past_a_spit_of_land_is_refused_and_one_round_it_taken() -> None:
     spit = corners(KEEP_OUT, [(-0.2, -30), (0.2, -30), (0.2, 30), (-0.2, 30)])
     assert send(sea, FENCE, spit) == ITEM_ACCEPTED
     assert send(sea, PLAN, [at(-20, 0), at(20, 0)]) == INVALID
-    assert words(sea)[-1] == "Plan refused at item 1: the way there leaves the fence"
+    assert words(sea)[-1] == "Plan refused at item 1: path crosses the fence"
     assert send(sea, PLAN, [at(-20, 0), at(-20, 40), at(20, 40), at(20, 0)]) == ITEM_ACCEPTED
 
 
@@ -119,7 +119,7 @@ def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
 ) -> None:
     sea = fenced(plan, box(0, 0, 20))
     sea.run(0.5)
-    assert f"Plan is bad at item {item}: outside the fence" in words(sea)
+    assert f"Plan invalid at item {item}: outside the fence" in words(sea)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "HOLD"
     assert words(sea)[-1] == "Plan: outside the fence"
     assert send(sea, FENCE, box(0, 0, 30)) == ITEM_ACCEPTED
@@ -139,7 +139,7 @@ def test_auto_does_not_begin_where_the_way_to_the_plan_leaves_the_fence() -> Non
     wall = corners(KEEP_OUT, [(8, -20), (8, 20), (9, 20), (9, -20)])
     sea = fenced([at(20, 0), at(20, 10)], wall)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert words(sea)[-1] == "Plan: the way there leaves the fence"
+    assert words(sea)[-1] == "Plan: path crosses the fence"
 
 
 @pytest.mark.parametrize("via", [None, 5, 15], ids=["HOLD", "LOITER", "GUIDED"])
@@ -153,7 +153,7 @@ def test_auto_is_judged_by_the_way_to_the_item_that_was_chosen_just_now(via: int
     state = sea.state
     assert acks(sea.order(SET_CURRENT, 3.0)) == [(SET_CURRENT, ACCEPTED)]
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert sea.state == state and words(sea)[-1] == "Plan: the way there leaves the fence"
+    assert sea.state == state and words(sea)[-1] == "Plan: path crosses the fence"
     assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)] and sea.state == "AUTO"
 
@@ -174,7 +174,7 @@ def test_auto_is_judged_from_where_the_boat_has_sailed_meanwhile() -> None:
 def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
     sea = fenced([at(50, 0)], box(50, 0, 20))
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert "Refused: outside the fence, or place unknown" in words(sea)
+    assert "Refused: outside fence, or position unknown" in words(sea)
     before = len(sea.ticks)
     sea.say(sticks(0, 0))
     sea.mode(MANUAL)
@@ -183,7 +183,7 @@ def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
         sea.run(0.1)
     assert sea.state == "MANUAL" and all(c > 0 for c in sea.commands)
     warned = [said.text for said in sentences(sea.ticks[before:])]
-    assert 1 <= warned.count("outside the fence, or place unknown") <= 2
+    assert 1 <= warned.count("outside fence, or position unknown") <= 2
 
 
 FENCES = {
@@ -207,7 +207,7 @@ def test_behind_a_leader_that_leaves_the_fence_the_boat_stops_before_it(
     assert send(sea, FENCE, fence) == ITEM_ACCEPTED
     sea.enter_formation()
     sea.run_until("HOLD", 30.0)
-    assert texts([sea.ticks[-1]]) == ["HOLD: outside the fence, or place unknown"]
+    assert texts([sea.ticks[-1]]) == ["HOLD: outside fence, or position unknown"]
     assert beyond(*place(sea)) > -1.0 - 2.5 * speed, "not sooner than it must"
     sea.run(5.0)
     assert beyond(*place(sea)) < 0 and not any(sea.commands)
@@ -259,7 +259,7 @@ def test_a_target_and_the_way_home_keep_the_fence() -> None:
     assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
     sea.mode(11)
     sea.run(20.0)
-    assert "the straight way leaves the fence: the boat sails round" in words(sea)
+    assert "straight path crosses the fence: going round it" in words(sea)
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
 
 
@@ -269,7 +269,7 @@ def test_under_way_a_boat_goes_on_to_no_item_to_which_the_way_leaves_the_fence()
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
     sea.run(2.0)
     assert acks(sea.order(SET_CURRENT, 2.0)) == [(SET_CURRENT, DENIED)]
-    assert "Refused: the way there leaves the fence" in words(sea)
+    assert "Refused: path crosses the fence" in words(sea)
     assert sea.state == "AUTO"
     (told,) = sea.ask(mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
     assert told.seq == 0

@@ -368,6 +368,6 @@ def test_while_the_law_drives_they_are_not_changed(kind: int) -> None:
         sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, what))
         (ack,) = sea.step().named("MISSION_ACK")
         assert ack.type == REFUSED
-    assert f"{NAME[kind]} refused at item 0: HOLD first, or not your boat" in words(sea)
+    assert f"{NAME[kind]} refused at item 0: HOLD first, or not MAV_GCS_SYSID" in words(sea)
     assert sea.state == "FORMATION" and plan_of(sea, kind) == as_sent(KEPT[kind])
     assert send(sea, PLAN, [at(5, 5)]) == ITEM_ACCEPTED, "a plan is, as it is not sailed"

@@ -117,7 +117,7 @@ def test_go_here_changes_no_mode_and_a_change_of_altitude_nothing() -> None:
     sea = at_sea([])
     tick = go_here(sea, at(5, 0))
     assert mission_acks(tick) == [REFUSED]
-    assert "Refused: target without GUIDED" in texts([tick, sea.step()])
+    assert "Refused: target needs GUIDED" in texts([tick, sea.step()])
     sea.mode(GUIDED)
     for current in (3, 4, 255):
         assert mission_acks(go_here(sea, at(5, 0), current)) == [UNSUPPORTED_ITEM]
@@ -148,7 +148,7 @@ def test_a_target_without_the_change_of_mode_is_denied_outside_guided() -> None:
     sea = at_sea([])
     tick = reposition(sea, at(5, 0), flags=0.0)
     assert acks(tick) == [(REPOSITION, DENIED)]
-    assert "Refused: target without GUIDED" in texts([tick, sea.step()])
+    assert "Refused: target needs GUIDED" in texts([tick, sea.step()])
     sea.mode(GUIDED)
     sea.run(20.0)
     assert place(sea) == pytest.approx((0, 0), abs=0.05)  # the refused target is forgotten
@@ -433,22 +433,22 @@ def test_a_script_drives_the_boat_on_a_course_until_it_is_silent() -> None:
 @pytest.mark.parametrize(
     ("message", "why"),
     [
-        (local(3, place_m=(5.0, 0.0)), "setpoint's frame is unknown"),
-        (local(BODY_NED, place_m=(5.0, 0.0)), "setpoint's place has no such frame"),
-        (local(NED, place_m=(5.0, 0.0), mask=IGNORED | 2), "setpoint has half a place"),
-        (local(NED, velocity_mps=(0.5, 0.0), mask=IGNORED | 16), "setpoint has half a velocity"),
-        (local(NED, place_m=(math.nan, 0.0)), "setpoint has half a place"),
-        (local(NED, velocity_mps=(math.inf, 0.0)), "setpoint has half a velocity"),
-        (local(NED), "setpoint asks for nothing"),
-        (local(NED, place_m=(5.0, 0.0), mask=1024), "no accelerations"),
+        (local(3, place_m=(5.0, 0.0)), "unsupported setpoint frame"),
+        (local(BODY_NED, place_m=(5.0, 0.0)), "position invalid in this frame"),
+        (local(NED, place_m=(5.0, 0.0), mask=IGNORED | 2), "position needs x and y"),
+        (local(NED, velocity_mps=(0.5, 0.0), mask=IGNORED | 16), "velocity needs vx and vy"),
+        (local(NED, place_m=(math.nan, 0.0)), "position needs x and y"),
+        (local(NED, velocity_mps=(math.inf, 0.0)), "velocity needs vx and vy"),
+        (local(NED), "no position or velocity"),
+        (local(NED, place_m=(5.0, 0.0), mask=1024), "acceleration not supported"),
         (local(NED, place_m=(3000.0, 0.0)), "target is over 2.9 km away"),
-        (local(NED, velocity_mps=(3.0, 0.0)), "speed 0.05 to 5 m/s, or LAW_U_MAX"),
+        (local(NED, velocity_mps=(3.0, 0.0)), "speed not 0.05 to 5 m/s, or > LAW_U_MAX"),
         (
             local(NED, velocity_mps=(0.5, 0.0), yaw_rate_radps=0.1),
-            "yaw rate goes with a speed ahead",
+            "yaw rate only in body frames",
         ),
-        (local(BODY_NED, velocity_mps=(-0.5, 0.0)), "boats are driven ahead only"),
-        (local(BODY_NED, velocity_mps=(0.5, 0.1)), "boats are driven ahead only"),
+        (local(BODY_NED, velocity_mps=(-0.5, 0.0)), "body velocity must be ahead"),
+        (local(BODY_NED, velocity_mps=(0.5, 0.1)), "body velocity must be ahead"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -468,7 +468,7 @@ def test_setpoints_of_who_may_not_command_move_no_boat() -> None:
     sea.run(1.0)
     assert sea.state == "GUIDED"
     sea.say(local(NED, place_m=(5.0, 0.0)), sender=Station(7, 190))
-    assert "Refused: setpoint, not your boat" in texts(sea.run(10.0))
+    assert "Refused: not from MAV_GCS_SYSID" in texts(sea.run(10.0))
     assert place(sea) == pytest.approx((0, 0), abs=0.05)
 
 

@@ -16,7 +16,7 @@ REFUSED = 1
         (
             {"parameters_saved": False},
             "parameters_saved",
-            ["PreArm: parameters are not saved", "parameters are defaults: look at them and save"],
+            ["PreArm: parameters are not saved", "parameters are defaults: check and save them"],
         ),
     ],
 )

@@ -115,7 +115,7 @@ def test_slot_of_zero_is_for_a_virtual_leader_only(kind: int, north: float) -> N
     else:
         assert_refused(sea, TAKEN)
         sea.run(0.1)
-        assert any("slot is the leader's own place" in t for t in texts(sea.ticks))
+        assert any("slot is at the leader" in t for t in texts(sea.ticks))
 
 
 def test_boat_that_tells_its_place_in_a_formation_is_a_vessel_too() -> None:
@@ -130,7 +130,7 @@ def test_two_boats_with_one_slot_are_both_refused(frame: int) -> None:
     slot: dict[str, Any] = {"offset_b" if frame else "offset_n": (-4.0, 0.2)}
     told(sea, reference(sea, [LEADER], **slot, sails=False), OTHER)
     assert_refused(sea, TAKEN)
-    assert f"slot is that of boat {OTHER} too" in texts(sea.ticks)
+    assert f"boat {OTHER} has the same slot" in texts(sea.ticks)
     sea.run(3.1)  # it is gone
     sea.mode(FORMATION)
     assert sea.state == "FORMATION"
@@ -195,7 +195,7 @@ def test_slot_inside_a_turn_that_would_go_astern_ends_in_hold(side_m: float) -> 
     sea.run(10.0)
     assert (sea.state == "HOLD") == (side_m == 2.0)
     if side_m == 2.0:
-        assert any("slot goes astern on the inside of the turn" in t for t in texts(sea.ticks))
+        assert any("slot moves astern inside the turn" in t for t in texts(sea.ticks))
         assert_refused(sea, TAKEN)
 
 
@@ -211,7 +211,7 @@ def test_boat_deeper_than_certified_says_so_once_it_is_armed(
     sea.enter_hold()
     told(sea, reference(sea, path), LEADER, 2.0)
     said = [text for text in texts(sea.ticks) if "FORM_DEPTH" in text]
-    assert said == ["boat is 4 deep in the tree, FORM_DEPTH is 3"] * says
+    assert said == ["tree depth is 4, FORM_DEPTH is 3"] * says
 
 
 @pytest.mark.parametrize("north", [0.0, -4.0])
@@ -222,7 +222,7 @@ def test_slot_behind_a_vessel_is_judged_while_the_boat_sails_alone(north: float)
     sea.say(heartbeat(mavlink.MAV_TYPE_SURFACE_BOAT), sender=sea.leader.station)
     sea.run(0.5)
     assert sea.state == "LOITER"
-    told_so = any("slot is the leader's own place" in t for t in texts(sea.ticks))
+    told_so = any("slot is at the leader" in t for t in texts(sea.ticks))
     assert told_so == (north == 0.0)
     sea.mode(FORMATION)
     assert sea.state == ("LOITER" if north == 0.0 else "FORMATION")

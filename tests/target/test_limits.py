@@ -21,7 +21,7 @@ def sentences(ticks: list[Tick]) -> list[str]:
     return [said.text for said in whole(ticks)]
 
 
-LOW, FAR = "battery is below FS_BATT_V, or unknown", "outside the fence, or place unknown"
+LOW, FAR = "battery is below FS_BATT_V, or unknown", "outside fence, or position unknown"
 GEOFENCE, BATTERY, PREARM = 1 << 20, 1 << 25, 1 << 28
 MANUAL = 0
 

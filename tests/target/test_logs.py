@@ -146,7 +146,7 @@ def test_logs_are_not_erased_from_afar() -> None:
     sea = sea_with([log(100)])
     reader = Reader(sea)
     reader.say(mavlink.MAVLink_log_erase_message(BOAT, 1))
-    assert "Refused: logs are not erased from afar" in texts(sea.run(0.2))
+    assert "Refused: logs cannot be erased remotely" in texts(sea.run(0.2))
     assert reader.listed() == {0: 100}
 
 

@@ -63,7 +63,7 @@ def test_manual_is_refused_without_sticks_and_says_so(sea: Sea) -> None:
 
 REST_NAN = (math.nan,) * 4  # MAVSDK's unused parameters
 OFFBOARD = "Refused: mode 6 of a PX4 client is OFFBOARD"
-SUB_MODE = "Refused: modes are 0, 4, 5, 6, 10, 11, 15"
+SUB_MODE = "Refused: use mode 0, 4, 5, 6, 10, 11 or 15"
 
 
 @pytest.mark.parametrize(

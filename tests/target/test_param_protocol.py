@@ -463,7 +463,7 @@ def test_an_old_parameter_file_starts_and_stops_no_boat(mode: float) -> None:
         ticks = set_it(sea, "MODE", mode)
         assert sea.state == state
         assert [e.error for e in named(ticks, "PARAM_ERROR")] == [DOES_NOT_EXIST]
-        assert texts(ticks) == ["MODE is no parameter of this boat"]
+        assert texts(ticks) == ["MODE is an unknown parameter"]
 
 
 # Saving.

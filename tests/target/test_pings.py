@@ -32,23 +32,23 @@ def test_there_are_no_logs_to_download(sea: Sea) -> None:
 
 
 NO_ONE = {
-    "Refused: setpoint is no place or velocity": [
+    "Refused: use position or velocity setpoints": [
         mavlink.MAVLink_set_attitude_target_message(0, BOAT, 1, 0, [1.0, 0, 0, 0], 0, 0, 0, 0),
         mavlink.MAVLink_set_actuator_control_target_message(0, 0, BOAT, 1, [0.0] * 8),
     ],
-    "Refused: setpoints are for GUIDED": [
+    "Refused: setpoints need GUIDED": [
         mavlink.MAVLink_set_position_target_local_ned_message(0, BOAT, 1, 1, 0, *(0.0,) * 11),
         mavlink.MAVLink_set_position_target_global_int_message(0, BOAT, 1, 5, 0, 0, 0, *(0.0,) * 9),
     ],
-    "Refused: RC override, send MANUAL_CONTROL": [
+    "Refused: RC override: use MANUAL_CONTROL": [
         mavlink.MAVLink_rc_channels_override_message(BOAT, 1, *[1500] * 8)
     ],
-    "Refused: origin and home are the boat's own": [
+    "Refused: origin and home cannot be set": [
         mavlink.MAVLink_set_gps_global_origin_message(BOAT, 1, 2, 3),
         mavlink.MAVLink_set_home_position_message(BOAT, 1, 2, 3, 0, 0, 0, [1.0, 0, 0, 0], 0, 0, 0),
     ],
     "Refused: no logs are kept": [mavlink.MAVLink_log_request_data_message(BOAT, 1, 0, 0, 90)],
-    "Refused: logs are not erased from afar": [mavlink.MAVLink_log_erase_message(BOAT, 1)],
+    "Refused: logs cannot be erased remotely": [mavlink.MAVLink_log_erase_message(BOAT, 1)],
 }
 
 

@@ -108,7 +108,7 @@ def test_a_silent_sender_is_asked_again_for_five_seconds_and_then_forgotten(
     assert len(asked) == 21 and {m.seq for m in asked} == {0}
     (ack,) = named(ticks, "MISSION_ACK")
     assert ack.type == CANCELLED
-    assert "Plan refused at item 0: its sender is silent" in texts(ticks)
+    assert "Plan refused at item 0: upload timed out" in texts(ticks)
     assert plan_of(sea) == as_sent(SQUARE) and planner.send(OTHER) == ITEM_ACCEPTED
 
 

@@ -410,9 +410,9 @@ def test_the_clock_of_a_host_that_has_one_is_not_the_navigation_units() -> None:
 def test_who_arms_is_told_where_the_key_protects_nothing() -> None:
     for policies, clock_is_set, told in (
         (("required", "required"), True, []),
-        (("off", "required"), True, ["unsigned messages are taken on link 0"]),
-        (("accept", "off"), True, ["unsigned messages are taken on link 0 1"]),
-        (("required", "required"), False, ["clock unknown: age of signatures not judged"]),
+        (("off", "required"), True, ["unsigned messages accepted on link 0"]),
+        (("accept", "off"), True, ["unsigned messages accepted on link 0 1"]),
+        (("required", "required"), False, ["clock unknown: signature age not checked"]),
     ):
         sea = SecureSea("accept")
         sea.boat.on_host(unix_us=NOW_S * 1_000_000, clock_is_set=clock_is_set)

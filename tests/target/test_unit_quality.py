@@ -124,7 +124,7 @@ def test_with_a_limit_of_0_no_estimate_is_poor() -> None:
 
 
 def test_a_unit_without_a_quality_report_is_mentioned_at_arming() -> None:
-    said = "navigation quality is not reported, not checked"
+    said = "navigation quality not reported: not checked"
     sea = Sea()
     sea.own.tells_fix = False
     sea.enter_hold()

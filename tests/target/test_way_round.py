@@ -27,8 +27,8 @@ from tests.target.test_auto import at_sea, place
 from tests.target.test_fence_kept import HULL, send, words
 
 RTL, REPOSITION, LOITER_MODE, FENCE_ENABLE = 11, 192, 5, 207
-NO_WAY = "no way keeps the fence: the boat waits"
-ROUND = "the straight way leaves the fence: the boat sails round"
+NO_WAY = "no path inside the fence: boat waits"
+ROUND = "straight path crosses the fence: going round it"
 Points = list[tuple[float, float]]
 
 WALL: Points = [(8, -12), (8, 9), (12, 9), (12, -12)]

@@ -266,7 +266,7 @@ def test_a_babbling_node_stops_a_boat_at_most_until_it_is_silent(boat: Boat) -> 
         "HOLD": [
             "HOLD: own state is not fresh",
             "HOLD: own latency unknown: set NAV_LAG_S",
-            "HOLD: FS_COAST_S is over",
+            "HOLD: FS_COAST_S elapsed",
         ],
         "FAULT": ["FAULT: ESCs are not online"],
     }

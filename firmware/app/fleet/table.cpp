@@ -64,9 +64,9 @@ TableVerdict verdict_of(const FleetTable& table) {
 Sentence sentence_of(const TableVerdict& refused) {
   constexpr std::array<std::string_view, 6> kWhy{"",
                                                  "empty",
-                                                 "listed twice: boat ",
-                                                 "does not follow one above it: boat ",
-                                                 "must lead and cannot: boat ",
+                                                 "duplicate boat ",
+                                                 "cannot follow its leader: boats ",
+                                                 "cannot lead: boat ",
                                                  "slots overlap: boats "};
   Sentence text;
   text << "Fleet table refused: " << kWhy[static_cast<std::size_t>(refused.fault)];

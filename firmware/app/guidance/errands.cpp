@@ -4,7 +4,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::string_view kNoWay = "no way keeps the fence: the boat waits";
+constexpr std::string_view kNoWay = "no path inside the fence: boat waits";
 
 }  // namespace
 
@@ -30,7 +30,7 @@ bool Errands::look_for_way(const Fence& fence) {
     news_ = kNoWay;
     return false;
   }
-  news_ = "the straight way leaves the fence: the boat sails round";
+  news_ = "straight path crosses the fence: going round it";
   errand_ = way_round_.errand(fence);
   return true;
 }

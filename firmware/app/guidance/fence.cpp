@@ -14,9 +14,8 @@ using core::Q16;
 constexpr int kReach_m = 4000, kOriginReach_m = 100'000;
 constexpr Q16 kRounding = Q16(0.02);  // of clearances, m
 
-constexpr std::string_view kOutside = "outside the fence", kNear = "too near to the fence",
-                           kWay = "the way there leaves the fence",
-                           kWayNear = "the way there is too near to the fence",
+constexpr std::string_view kOutside = "outside the fence", kNear = "too near the fence",
+                           kWay = "path crosses the fence", kWayNear = "path is too near the fence",
                            kFar = "over 4 km from the fence";
 
 bool same_place(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) {

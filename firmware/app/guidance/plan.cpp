@@ -50,15 +50,15 @@ float radius_of(const PlanItem& item, const PlanDefaults& defaults) {
 
 PlanFault fault_of_frame(const PlanItem& item) {
   if (is_global(item.frame)) return {};
-  return {mav::kMissionUnsupportedFrame, "places are global"};
+  return {mav::kMissionUnsupportedFrame, "frame must be global"};
 }
 
 PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
   const float speed_mps = or_zero(item.param[1]);
-  if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "speed of the boat only"};
+  if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "param1 is not 0 or 1"};
   if (speed_mps < 0) return {};  // −1: no change, −2: the default
   if (speed_mps < kSlowest_mps || !(speed_mps <= kFastest_mps)) {
-    return {mav::kMissionInvalidParam2, "speed 0.05 to 5 m/s"};
+    return {mav::kMissionInvalidParam2, "speed not 0.05 to 5 m/s"};
   }
   if (fastest_mps > 0 && speed_mps > fastest_mps) {
     return {mav::kMissionInvalidParam2, "speed is above LAW_U_MAX"};
@@ -70,16 +70,16 @@ PlanFault fault_of_circle(const PlanItem& item, const PlanDefaults& defaults) {
   constexpr float kMostTurns = 100;
   const float radius_m = radius_of(item, defaults);
   if (!(or_zero(item.param[0]) > 0 && is_within(item.param[0], kMostTurns))) {
-    return {mav::kMissionInvalidParam1, "turns over 0, to 100"};
+    return {mav::kMissionInvalidParam1, "turns not between 0 and 100"};
   }
   if (!(radius_m >= 1 && radius_m <= kLargestRadius_m)) {
-    return {mav::kMissionInvalidParam3, "radius 1 to 100 m"};
+    return {mav::kMissionInvalidParam3, "radius not 1 to 100 m"};
   }
   return {};
 }
 
 PlanFault fault_of_home(const PlanItem& item) {
-  if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "0: a place, 1: here"};
+  if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "param1 is not 0 or 1"};
   return sets_home_here(item) ? PlanFault{} : fault_of_place(item);
 }
 
@@ -92,13 +92,13 @@ PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
   const float last = static_cast<float>(plan.size() - 1) + homes;
   const bool leads_back = target >= homes && target < last;
   if (!leads_back || static_cast<float>(jump_of(item, defaults)) != target - homes) {
-    return {mav::kMissionInvalidParam1, "jumps lead back"};
+    return {mav::kMissionInvalidParam1, "jump must lead back to an item"};
   }
   if (times != -1 && !is_within(times, 30'000)) {
-    return {mav::kMissionInvalidParam2, "jumps 0 to 30000, or -1"};
+    return {mav::kMissionInvalidParam2, "repeats not -1 to 30000"};
   }
   if (std::ranges::none_of(plan.subspan(jump_of(item, defaults)), leads_somewhere)) {
-    return {mav::kMissionInvalidParam1, "jumps lead over a waypoint"};
+    return {mav::kMissionInvalidParam1, "loop has no waypoint"};
   }
   const auto is_jump = [](const PlanItem& i) { return i.command == mav::kDoJump; };
   const auto jumps = static_cast<std::size_t>(std::ranges::count_if(plan, is_jump));
@@ -112,10 +112,10 @@ PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
   }
   const bool timed = waits(item) && item.command != mav::kNavLoiterUnlimited && !turns(item);
   if (timed && !is_within(item.param[0], kLongestWait_s)) {
-    return {mav::kMissionInvalidParam1, "waits 0 to 30000 s"};
+    return {mav::kMissionInvalidParam1, "wait not 0 to 30000 s"};
   }
   if (item.command == mav::kNavWaypoint && !is_within(item.param[1], kLargestRadius_m)) {
-    return {mav::kMissionInvalidParam2, "radius 0 to 100 m"};
+    return {mav::kMissionInvalidParam2, "radius not 0 to 100 m"};
   }
   if (turns(item)) {
     if (const PlanFault fault = fault_of_circle(item, defaults)) return fault;
@@ -133,7 +133,7 @@ PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
     case mav::kDoChangeSpeed:
       return fault_of_speed(item, defaults.fastest_mps);
     default:
-      return {mav::kMissionUnsupported, "boats do not know that command"};
+      return {mav::kMissionUnsupported, "command not supported"};
   }
 }
 
@@ -154,7 +154,7 @@ PlanFault fault_of_place(const PlanItem& item) {
   if (const PlanFault fault = fault_of_frame(item)) return fault;
   if (convert::is_valid({item.x, item.y, 0, 0})) return {};
   const bool turned = item.x < -890'000'000 || item.x > 890'000'000;
-  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "no such place"};
+  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "invalid position"};
 }
 
 PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item) {
@@ -187,7 +187,7 @@ PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
   if (!fault && last.command == mav::kDoJump) return fault_of_jump(plan, defaults);
   const bool needs_place = last.command == mav::kDoSetHome || last.command == mav::kNavReturn;
   if (!fault && needs_place && std::ranges::none_of(plan, leads_somewhere)) {
-    return {mav::kMissionInvalid, "it needs a waypoint before"};
+    return {mav::kMissionInvalid, "needs a waypoint before it"};
   }
   if (fault || !leads_somewhere(last)) return fault;
   return fault_of_reach(*std::ranges::find_if(plan, leads_somewhere), last);

@@ -49,22 +49,22 @@ std::size_t begun(Plan fence) {
 
 PlanFault fault_of_command(const PlanItem& item) {
   if (is_corner(item) && corners_of(item) == 0) {
-    return {mav::kMissionInvalidParam1, "a polygon has at least 3 corners"};
+    return {mav::kMissionInvalidParam1, "polygon needs 3 or more corners"};
   }
   if (is_circle(item)) {
     const float radius_m = item.param[0];
     if (!(radius_m >= kLeastCircle_m && radius_m <= kGreatestCircle_m)) {
-      return {mav::kMissionInvalidParam1, "radius 1 to 2000 m"};
+      return {mav::kMissionInvalidParam1, "radius not 1 to 2000 m"};
     }
   }
   if (!is_corner(item) && !is_circle(item)) {
     if (item.command == mav::kFenceReturnPoint) {
       return {mav::kMissionUnsupported, "no return point: send rally points"};
     }
-    return {mav::kMissionUnsupported, "no part of a fence"};
+    return {mav::kMissionUnsupported, "not a fence item"};
   }
   const bool grouped = !std::isnan(item.param[1]) && item.param[1] != 0;
-  if (keeps_in(item) && grouped) return {mav::kMissionInvalidParam2, "all of one group: 0"};
+  if (keeps_in(item) && grouped) return {mav::kMissionInvalidParam2, "inclusion group must be 0"};
   return {};
 }
 
@@ -87,7 +87,7 @@ PlanFault fault_of_edges(Plan corners) {
   const Place first = place(0), new_one = place(last), before = place(last - 1);
   if (core::hypot(new_one.x - before.x, new_one.y - before.y) < kApart ||
       core::hypot(new_one.x - first.x, new_one.y - first.y) < kApart) {
-    return {mav::kMissionInvalidX, "two corners at one place"};
+    return {mav::kMissionInvalidX, "two corners within 0.1 m"};
   }
   if (last < 2) return {};
   if (folds(place(last - 2), before, new_one)) return kCrossing;
@@ -120,10 +120,10 @@ PlanFault fault_of_last_zone(Plan fence) {
   const Plan corners = fence.last(begun(fence) + 1);
   if (corners.size() > 1) {
     if (item.command != corners[0].command) {
-      return {mav::kMissionInvalid, "the polygon before is not complete"};
+      return {mav::kMissionInvalid, "previous polygon is incomplete"};
     }
     if (item.param[0] != corners[0].param[0]) {
-      return {mav::kMissionInvalidParam1, "a polygon's counts differ"};
+      return {mav::kMissionInvalidParam1, "corner counts differ"};
     }
   }
   return is_corner(item) ? fault_of_edges(corners) : PlanFault{};
@@ -134,12 +134,12 @@ PlanFault fault_of_zones(Plan fence) {
   const std::size_t last = fence.size() - 1;
   const PlanItem& item = fence[last];
   if (!is_corner(item) || begun(fence) + 1 == corners_of(item)) return {};
-  return {mav::kMissionInvalid, "the last polygon is not complete", last};
+  return {mav::kMissionInvalid, "last polygon is incomplete", last};
 }
 
 PlanFault fault_of_last_rally(Plan points) {
   const PlanItem& item = points.back();
-  if (item.command != mav::kRallyPoint) return {mav::kMissionUnsupported, "no rally point"};
+  if (item.command != mav::kRallyPoint) return {mav::kMissionUnsupported, "not a rally point"};
   if (const PlanFault fault = fault_of_place(item)) return fault;
   return fault_of_reach(points[0], item);
 }

@@ -16,7 +16,7 @@ using core::Request;
 constexpr double kForce = 21196;
 constexpr double kMaxTestPercent = 20, kLongestTest_s = 5;
 constexpr double kThrottlePercent = 0;  // MOTOR_TEST_THROTTLE_PERCENT
-constexpr std::string_view kAllModes = "modes are 0, 4, 5, 6, 10, 11, 15";
+constexpr std::string_view kAllModes = "use mode 0, 4, 5, 6, 10, 11 or 15";
 constexpr double kLongestInterval_us = 2147483647;  // MESSAGE_INTERVAL's maximum
 
 DecodedCommand denied(std::string_view why = {}) {
@@ -40,7 +40,7 @@ DecodedCommand arm_or_disarm(const Command& c) {
   if (c.param[0] == 0) return {mav::kAccepted, Request::kDisarm};
   const bool force_is_legal = unused(c.param[1]) || c.param[1] == kForce;
   if (c.param[0] == 1 && force_is_legal) return {mav::kAccepted, Request::kArm};
-  return denied("force overrides no check");
+  return denied("force cannot skip checks");
 }
 
 std::optional<Request> request_of(double number) {
@@ -117,14 +117,15 @@ DecodedCommand reposition(const Command& c) {
   const bool fast = !std::isnan(c.param[0]) && c.param[0] != -1 && c.param[0] != 0;
   const convert::GlobalPoint place{static_cast<std::int32_t>(c.param[4]),
                                    static_cast<std::int32_t>(c.param[5])};
-  if (!convert::is_valid({place.latitude, place.longitude, 0, 0})) return denied("no such place");
+  if (!convert::is_valid({place.latitude, place.longitude, 0, 0}))
+    return denied("invalid position");
   asked.target = Target{place, fast ? static_cast<float>(c.param[0]) : 0.0F};
   return asked;
 }
 
 DecodedCommand start_plan(const Command& c) {
   const bool whole_plan = unused(c.param[0]) && unused(c.param[1]);
-  if (!whole_plan) return denied("plans are sailed whole");
+  if (!whole_plan) return denied("first and last item must be 0");
   return {mav::kAccepted, Request::kAuto};
 }
 
@@ -138,8 +139,8 @@ DecodedCommand pause(const Command& c) {
 /// Switches the fence of polygons and circles on or off; FS_FENCE_M is a parameter.
 DecodedCommand enable_fence(const Command& c) {
   const auto types = unused(c.param[1]) ? mav::kFencePolygon : whole(c.param[1], 65535);
-  if (c.param[0] != 0 && c.param[0] != 1) return denied("a fence is on, 1, or off, 0");
-  if (!types || (*types & mav::kFencePolygon) == 0) return denied("no such fence");
+  if (c.param[0] != 0 && c.param[0] != 1) return denied("fence: 1 is on, 0 is off");
+  if (!types || (*types & mav::kFencePolygon) == 0) return denied("fence type is not polygon");
   DecodedCommand asked{mav::kAccepted};
   asked.fence = c.param[0] == 1;
   return asked;

@@ -151,7 +151,7 @@ std::optional<link::Message> MissionService::begin(const link::MissionCount& cou
   if (upload_ && !is_from_uploader(asker)) {
     // The same sender, on another link: a copy that another vessel has forwarded.
     if (upload_->asker.from == asker.from) return std::nullopt;
-    return refuse(asker, *kind, {mav::kMissionDenied, "another station is sending"});
+    return refuse(asker, *kind, {mav::kMissionDenied, "another upload is running"});
   }
   if (count.count > std::min(store(*kind).room.size(), incoming_.size())) {
     return refuse(asker, *kind, {mav::kMissionNoSpace});
@@ -250,7 +250,7 @@ link::Message MissionService::refuse(const Asker& asker, Stored kind, const Plan
   if (is_from_uploader(asker)) upload_.reset();
   std::string_view why = fault.why;
   if (fault.result == mav::kMissionNoSpace) why = "too many items";
-  if (fault.result == mav::kMissionDenied && why.empty()) why = "HOLD first, or not your boat";
+  if (fault.result == mav::kMissionDenied && why.empty()) why = "HOLD first, or not MAV_GCS_SYSID";
   news_ = News{News::Kind::kRefused, kind, fault.item, why};
   return acknowledgement(asker.from, fault.result, type_of(kind));
 }
@@ -267,7 +267,7 @@ std::optional<MissionService::Repeated> MissionService::repeat(std::int64_t now_
   if (upload_->tries++ < kTries) return Repeated{link, ask(now_us)};
   const link::Address to = upload_->asker.from;
   const std::uint8_t type = type_of(upload_->kind);
-  news_ = News{News::Kind::kRefused, upload_->kind, upload_->next, "its sender is silent"};
+  news_ = News{News::Kind::kRefused, upload_->kind, upload_->next, "upload timed out"};
   upload_.reset();
   return Repeated{link, acknowledgement(to, mav::kMissionCancelled, type)};
 }

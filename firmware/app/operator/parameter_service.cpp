@@ -159,7 +159,7 @@ SetResult ParameterService::set(std::size_t link, link::Address from, const link
   if (info == nullptr) {
     links_[link].errors.push({-1, from, asked.param_id, mav::kParamDoesNotExist});
     SetResult result{SetResult::Outcome::kRefused, nullptr, mav::kParamDoesNotExist};
-    result.sentence << name_in(asked.param_id) << " is no parameter of this boat";
+    result.sentence << name_in(asked.param_id) << " is an unknown parameter";
     return result;
   }
   SetResult result = judge(*info, from, asked, values, boat);

@@ -85,14 +85,14 @@ Sentence sentence_of(const VoyageNews& news) {
   Sentence text;
   text << "Voyage: ";
   if (news.kind == kOver) {
-    text << "over, " << static_cast<float>(news.step) << " of " << count << " steps whole";
+    text << "over, " << static_cast<float>(news.step) << " of " << count << " steps complete";
   } else if (news.kind == kLost) {
-    text << "the boat does not come back to its room";
+    text << "the boat did not return to its room";
   } else {
     text << "step " << static_cast<float>(news.step);
     if (news.kind == kBegins) text << " of " << count << ", ";
     if (news.kind == kAgain) text << " again: ";
-    if (news.kind == kLeftOut) text << " left out: ";
+    if (news.kind == kLeftOut) text << " skipped: ";
     text << news.what;
   }
   return text;
@@ -103,7 +103,7 @@ Sentence waiting_for(std::optional<std::uint8_t> late) {
   if (late) {
     told << "waiting for boat " << static_cast<float>(*late) << ", out of its slot";
   } else {
-    told << "not waiting any more";
+    told << "no longer waiting";
   }
   return told;
 }
@@ -117,14 +117,13 @@ Sentence unit_is_late(double latency_s) {
 
 Sentence slot_is_taken(std::uint8_t by) {
   Sentence why;
-  why << "slot is that of boat " << static_cast<float>(by) << " too";
+  why << "boat " << static_cast<float>(by) << " has the same slot";
   return why;
 }
 
 Sentence too_deep(std::size_t depth, float certified) {
   Sentence why;
-  why << "boat is " << static_cast<float>(depth) << " deep in the tree, FORM_DEPTH is "
-      << certified;
+  why << "tree depth is " << static_cast<float>(depth) << ", FORM_DEPTH is " << certified;
   return why;
 }
 

@@ -31,9 +31,9 @@ bool is_whole(const Wish& wish, unsigned fields, double a, double b) {
 
 Setpoint velocity_of(const Wish& wish) {
   const bool turns = has(wish, kYawRate);
-  if (turns && !std::isfinite(wish.yaw_rate)) return {.why = "setpoint is no number"};
-  if (!wish.in_body && turns) return {.why = "yaw rate goes with a speed ahead"};
-  if (wish.in_body && (wish.vx < 0 || wish.vy != 0)) return {.why = "boats are driven ahead only"};
+  if (turns && !std::isfinite(wish.yaw_rate)) return {.why = "yaw rate is not finite"};
+  if (!wish.in_body && turns) return {.why = "yaw rate only in body frames"};
+  if (wish.in_body && (wish.vx < 0 || wish.vy != 0)) return {.why = "body velocity must be ahead"};
   core::Drive<double> drive{wish.vx, turns ? wish.yaw_rate : 0.0, {}};
   if (!wish.in_body) {
     drive.u = portable::hypot(wish.vx, wish.vy);
@@ -44,13 +44,13 @@ Setpoint velocity_of(const Wish& wish) {
 
 /// place: nothing if it is in a frame for velocities only.
 Setpoint setpoint(const Wish& wish, const std::optional<convert::GlobalPoint>& place) {
-  if ((wish.ignored & kAcceleration) != kAcceleration) return {.why = "no accelerations"};
-  if (!is_whole(wish, kVelocity, wish.vx, wish.vy)) return {.why = "setpoint has half a velocity"};
+  if ((wish.ignored & kAcceleration) != kAcceleration) return {.why = "acceleration not supported"};
+  if (!is_whole(wish, kVelocity, wish.vx, wish.vy)) return {.why = "velocity needs vx and vy"};
   if (!has(wish, kPlace)) {
-    return has(wish, kVelocity) ? velocity_of(wish) : Setpoint{.why = "setpoint asks for nothing"};
+    return has(wish, kVelocity) ? velocity_of(wish) : Setpoint{.why = "no position or velocity"};
   }
   if (!place || !convert::is_valid({place->latitude, place->longitude, 0, 0})) {
-    return {.why = "setpoint's place has no such frame"};
+    return {.why = "position invalid in this frame"};
   }
   const double speed = has(wish, kVelocity) ? portable::hypot(wish.vx, wish.vy) : 0;
   return {.target = Target{*place, static_cast<float>(speed)}};
@@ -65,11 +65,11 @@ Setpoint setpoint_of(const link::SetPositionTargetLocalNed& m, const convert::Ow
                        m.coordinate_frame == mav::kFrameBodyFrd;
   const bool offset = m.coordinate_frame == kLocalOffsetNed;
   if (!in_body && !offset && m.coordinate_frame != mav::kFrameLocalNed) {
-    return {.why = "setpoint's frame is unknown"};
+    return {.why = "unsupported setpoint frame"};
   }
   const Wish wish{m.type_mask, in_body, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
   if (!is_whole(wish, kPlace, double{m.x}, double{m.y})) {
-    return {.why = "setpoint has half a place"};
+    return {.why = "position needs x and y"};
   }
   std::optional<convert::GlobalPoint> place;
   constexpr float kFar_m = 100'000;  // beyond it a plane is no map
@@ -81,9 +81,9 @@ Setpoint setpoint_of(const link::SetPositionTargetLocalNed& m, const convert::Ow
 }
 
 Setpoint setpoint_of(const link::SetPositionTargetGlobalInt& m) {
-  if (!is_global(m.coordinate_frame)) return {.why = "setpoint's frame is unknown"};
+  if (!is_global(m.coordinate_frame)) return {.why = "unsupported setpoint frame"};
   const Wish wish{m.type_mask, false, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
-  if (!is_whole(wish, kPlace, 0, 0)) return {.why = "setpoint has half a place"};
+  if (!is_whole(wish, kPlace, 0, 0)) return {.why = "position needs x and y"};
   return setpoint(wish, convert::GlobalPoint{m.lat_int, m.lon_int});
 }
 

@@ -34,7 +34,7 @@ inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kOwnLive, "own state is frozen"},
     {core::kOwnSteady, "own state jumps"},
     {core::kOwnTimed, "own latency unknown: set NAV_LAG_S", "NAV_LAG_S"},
-    {core::kOwnGood, "navigation unit calls its estimate poor"},
+    {core::kOwnGood, "navigation unit reports a poor estimate"},
     {core::kOwnPrompt, "navigation latency is too high"},
     {core::kEscsOnline, "ESCs are not online", "FS_ESC_S"},
     {core::kEscsObey, "ESC spinning while commanded to stop"},
@@ -43,23 +43,23 @@ inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kLeaderTimed, "leader latency unknown: set FORM_LAG_S", "FORM_LAG_S"},
     {core::kLeaderNear, "leader is further than FORM_DIST_MAX", "FORM_DIST_MAX"},
     {core::kLeaderLive, "leader's state is frozen"},
-    {core::kLeaderSteady, "leader's state jumps, or two send it"},
+    {core::kLeaderSteady, "leader's state jumps or has two senders"},
     {core::kLeadersEnd, "leaders form a cycle"},
     {core::kSlotSound, "slot is taken, or needs sailing astern"},
     {core::kOnStation, "boat is out of formation", "FS_SLOT_M"},
-    {core::kPlanReady, "no plan, outside the fence or 1 km off"},
-    {core::kLocated, "own place on the globe is unknown"},
+    {core::kPlanReady, "no plan, or outside fence or 1 km away"},
+    {core::kLocated, "own global position is unknown"},
     {core::kHomeNear, "home is unknown, or over 2.9 km away"},
     {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
-    {core::kInsideFence, "outside the fence, or place unknown", "FS_FENCE_M"},
+    {core::kInsideFence, "outside fence, or position unknown", "FS_FENCE_M"},
     {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
     {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
     {core::kGainsFit, "a gain does not fit the hull"},
     {core::kParametersSaved, "parameters are not saved"},
-    {core::kSticksFresh, "no sticks: MANUAL_CONTROL is silent"},
+    {core::kSticksFresh, "no sticks (MANUAL_CONTROL or RC)"},
     {core::kSticksCentred, "centre the sticks first"},
     {core::kTestRunning, "no motor test is running"},
-    {core::kCoastRunning, "FS_COAST_S is over", "FS_COAST_S"},
+    {core::kCoastRunning, "FS_COAST_S elapsed", "FS_COAST_S"},
 }};
 
 /// Calls f(sentence) for each condition of the set, the most important first.
@@ -84,14 +84,14 @@ constexpr std::string_view refusal_of(std::uint32_t message_id) {
   switch (message_id) {
     case 82:   // SET_ATTITUDE_TARGET
     case 139:  // SET_ACTUATOR_CONTROL_TARGET
-      return "setpoint is no place or velocity";
+      return "use position or velocity setpoints";
     case 70:  // RC_CHANNELS_OVERRIDE
-      return "RC override, send MANUAL_CONTROL";
+      return "RC override: use MANUAL_CONTROL";
     case 48:   // SET_GPS_GLOBAL_ORIGIN
     case 243:  // SET_HOME_POSITION
-      return "origin and home are the boat's own";
+      return "origin and home cannot be set";
     case 121:  // LOG_ERASE
-      return "logs are not erased from afar";
+      return "logs cannot be erased remotely";
     default:
       return {};
   }

@@ -309,7 +309,7 @@ Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
 void Vehicle::warn_of_signing(link::Counters& counters) {
   if (!links_.signing().has_key() || !signing_due_.take_if_due(now_us_)) return;
   Sentence open;
-  open << "unsigned messages are taken on link";
+  open << "unsigned messages accepted on link";
   const std::size_t closed = open.text().size();
   for (std::size_t link = 0; link < links_.count(); ++link) {
     if (links_.policy(link) != SigningPolicy::kRequired) open << " " << static_cast<float>(link);
@@ -318,7 +318,7 @@ void Vehicle::warn_of_signing(link::Counters& counters) {
     send_statustext(mav::kSeverityWarning, {open.text()}, counters);
   }
   if (links_.signing().knows_clock()) return;
-  send_statustext(mav::kSeverityWarning, {"clock unknown: age of signatures not judged"}, counters);
+  send_statustext(mav::kSeverityWarning, {"clock unknown: signature age not checked"}, counters);
 }
 
 void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {
@@ -328,7 +328,7 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     const State state = supervisor_.state();
     const auto* const why = state == State::kFault      ? "FAULT, disarm first"
                             : state == State::kDisarmed ? "arm first"
-                            : state == State::kHold     ? "THR_DEAD is above that thrust"
+                            : state == State::kHold     ? "thrust is below THR_DEAD"
                                                         : "HOLD first";
     send_statustext(mav::kSeverityWarning, {what, why}, counters);
     return;

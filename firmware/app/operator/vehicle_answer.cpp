@@ -76,11 +76,11 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
 /// Setpoints have no acknowledgement: a text reports a refusal, at most once in ten seconds.
 void Vehicle::take_setpoint(const PendingRequest& pending) {
   if (!may_command(pending.from)) {
-    ignored_ = "setpoint, not your boat";
+    ignored_ = "not from MAV_GCS_SYSID";
     return;
   }
   if (supervisor_.state() != core::State::kGuided) {
-    ignored_ = "setpoints are for GUIDED";
+    ignored_ = "setpoints need GUIDED";
     return;
   }
   const auto* local = std::get_if<link::SetPositionTargetLocalNed>(&pending.message);
@@ -91,7 +91,7 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
   } else if (placed) {
     wish = setpoint_of(*local, report_.own->state);
   } else {
-    wish.why = "own place is unknown";
+    wish.why = "own position unknown";
   }
   DecodedCommand asked{mav::kAccepted};
   asked.why = wish.why;
@@ -99,7 +99,7 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
   if (asked.target) judge_target(asked);
   const auto& drive = wish.drive;
   if (drive && drive->u != 0 && !is_speed(drive->u, configuration_.plan)) {
-    asked.why = "speed 0.05 to 5 m/s, or LAW_U_MAX";
+    asked.why = "speed not 0.05 to 5 m/s, or > LAW_U_MAX";
   }
   if (!asked.why.empty()) {
     ignored_ = asked.why;
@@ -146,7 +146,7 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   if (news->kind != Kind::kStored) {
     if (!refusal_due_.take_if_due(now_us_)) return;
     const std::string_view how =
-        news->kind == Kind::kRefused ? " refused at item " : " is bad at item ";
+        news->kind == Kind::kRefused ? " refused at item " : " invalid at item ";
     told << name << how << static_cast<float>(news->item) << ": " << news->why;
     send_statustext(mav::kSeverityWarning, {told.text()}, counters);
     return;
@@ -176,11 +176,11 @@ void Vehicle::judge_target(DecodedCommand& asked) const {
   };
   const bool guided = supervisor_.state() == core::State::kGuided;
   if (asked.target->speed_mps != 0 && !is_speed(asked.target->speed_mps, configuration_.plan)) {
-    refuse(mav::kDenied, "speed 0.05 to 5 m/s, or LAW_U_MAX");
+    refuse(mav::kDenied, "speed not 0.05 to 5 m/s, or > LAW_U_MAX");
   } else if (asked.request == Request::kNone && !guided) {
-    refuse(mav::kDenied, "target without GUIDED");
+    refuse(mav::kDenied, "target needs GUIDED");
   } else if (const auto here = place(); !here) {
-    refuse(mav::kTemporarilyRejected, "own place is unknown");
+    refuse(mav::kTemporarilyRejected, "own position unknown");
   } else if (!convert::way_to<double>(*here, asked.target->place, kErrandReach_m).near) {
     refuse(mav::kDenied, "target is over 2.9 km away");
   } else if (missions_.fence().is_on()) {

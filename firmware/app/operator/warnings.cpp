@@ -34,7 +34,7 @@ template <class S>
 void Warnings<S>::warn_of_host(const Seen& seen) {
   const HostReport& host = seen.host;
   if (!host.parameters_saved && unsaved_due_.take_if_due(seen.now_us)) {
-    warn("parameters are defaults: look at them and save");
+    warn("parameters are defaults: check and save them");
   }
   if (host.closed_links != 0 && closed_due_.take_if_due(seen.now_us)) {
     warn(link_is_closed(host.closed_links).text());
@@ -57,7 +57,7 @@ void Warnings<S>::warn_of_vessels(const Seen& seen) {
   }
   const auto late = pilot_.late_neighbour(seen.now_us);
   if (late && late_due_.take_if_due(seen.now_us)) {
-    alarm(*late, "vessel ", " heard 3 s late: not kept clear of");
+    alarm(*late, "vessel ", " heard over 3 s late: not avoided");
   }
 }
 
@@ -131,12 +131,12 @@ void Warnings<S>::warn_of_unsound_slot(const Seen& seen) {
   if (!unsound_slot_due_.take_if_due(seen.now_us)) return;
   const SlotClaims& claims = pilot_.claims();
   if (claims.leaders()) {
-    say(mav::kSeverityError, "slot is the leader's own place: set FORM_OFS_N, FORM_OFS_E");
+    say(mav::kSeverityError, "slot is at the leader: set FORM_OFS_N, FORM_OFS_E");
   } else if (const auto rival = claims.rival(seen.now_us, core::law_drives(seen.state))) {
     say(mav::kSeverityError, slot_is_taken(*rival).text());
   } else {
     say(mav::kSeverityError,
-        "slot goes astern on the inside of the turn: bring it nearer, or astern of the leader");
+        "slot moves astern inside the turn: move it nearer or behind the leader");
   }
 }
 
@@ -157,7 +157,7 @@ void Warnings<S>::warn_of_fence(const Seen& seen) {
   if (seen.state != core::State::kManual || (seen.conditions & core::kInsideFence) != 0) return;
   if (!fence_due_.take_if_due(seen.now_us)) return;
   const bool ahead = !seen.fence.stays() && !seen.fence.is_outside();
-  warn(ahead ? "fence ahead, or place unknown" : "outside the fence, or place unknown");
+  warn(ahead ? "fence ahead, or position unknown" : "outside fence, or position unknown");
 }
 
 /// Reports a newly estimated latency of 0.03 s or more, and whether it is compensated.

@@ -31,11 +31,11 @@ bool is_interface_name(std::string_view name) {
 in_addr interface_of(std::string_view address, const std::string& text) {
   in_addr interface{};
   if (inet_pton(AF_INET, text.c_str(), &interface) != 1) {
-    refuse(address, "\"" + text + "\" is no IPv4 address");
+    refuse(address, "\"" + text + "\" is not an IPv4 address");
   }
   const std::uint32_t number = ntohl(interface.s_addr);
   if (number == INADDR_ANY || number == INADDR_BROADCAST || IN_MULTICAST(number)) {
-    refuse(address, text + " is no address of an interface");
+    refuse(address, text + " is not an interface address");
   }
   return interface;
 }
@@ -43,7 +43,7 @@ in_addr interface_of(std::string_view address, const std::string& text) {
 std::unique_ptr<CanBus> open_mcast(std::string_view address, std::string_view rest) {
   const std::string_view number = rest.substr(0, rest.find(':'));
   if (number.size() != 1 || number[0] < '0' || number[0] > '9') {
-    refuse(address, "\"" + std::string(number) + "\" is no bus number from 0 to 9");
+    refuse(address, "\"" + std::string(number) + "\" is not a bus number from 0 to 9");
   }
   const unsigned bus = static_cast<unsigned>(number[0] - '0');
   if (rest.size() == 1) return std::make_unique<McastBus>(bus, std::nullopt);
@@ -71,7 +71,7 @@ std::span<const link::CanFrame> first_transfer(std::span<const link::CanFrame> f
 
 std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node) {
   if (node == 0 || node > kGreatestNode) {
-    refuse(address, std::to_string(node) + " is no node id from 1 to 127");
+    refuse(address, std::to_string(node) + " is not a node id from 1 to 127");
   }
   const std::size_t colon = std::min(address.find(':'), address.size());
   const std::string_view scheme = address.substr(0, colon);
@@ -79,7 +79,7 @@ std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node
   if (scheme == "mcast") return open_mcast(address, rest);
   if (scheme != "socketcan") refuse(address, "must be socketcan:INTERFACE or mcast:N[:ADDRESS]");
   if (!is_interface_name(rest)) {
-    refuse(address, "\"" + std::string(rest) + "\" is no name of an interface");
+    refuse(address, "\"" + std::string(rest) + "\" is not an interface name");
   }
   return std::make_unique<SocketCanBus>(std::string(rest), node);
 }

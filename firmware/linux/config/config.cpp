@@ -28,20 +28,20 @@ CAN buses:
   socketcan:IF           a CAN interface of Linux, such as can0 or vcan0
   mcast:N[:ADDRESS]      DroneCAN over UDP multicast, bus N; stays on this machine without ADDRESS
 
-MAVLink links, each with options behind it:
-  ,rate=BYTES            telemetry keeps to so many bytes per second; 0: no limit. Without it four
+MAVLink links, each followed by its options:
+  ,rate=BYTES            limits telemetry to so many bytes per second; 0: no limit. Default: four
                          fifths of a serial port's baud rate; elsewhere no limit
-  ,signing=POLICY        off: no signatures; accept: signs, takes unsigned messages too; required:
-                         takes signed ones only. required where there is a signing-key, else off
+  ,signing=POLICY        off: no signatures; accept: signs, accepts unsigned messages too; required:
+                         accepts signed ones only. Default: required with a signing-key, else off
 and these addresses:
-  udpin:[HOST:]PORT      waits at that address of this machine, 127.0.0.1 without HOST; answers
-                         everybody who has sent it a message
-  udpout:HOST:PORT       talks to one, hears nobody else
-  udpbcast:HOST:PORT     talks to a broadcast address
+  udpin:[HOST:]PORT      listens on that address of this machine, 127.0.0.1 without HOST; answers
+                         every sender
+  udpout:HOST:PORT       sends to that address and receives only from it
+  udpbcast:HOST:PORT     sends to a broadcast address
   serial:DEVICE:BAUD     a serial port, such as serial:/dev/ttyUSB0:57600,rate=3000
 
-A parameter given here wins over the saved one at every start; --param wins over --param-file, both
-over the configuration file.)";
+A parameter given here overrides the saved one at every start; --param overrides --param-file, both
+override the configuration file.)";
 
 struct Options {
   std::string config, can, state_dir, signing_key, log, stats, stop, priority;
@@ -98,8 +98,8 @@ void define(CLI::App& app, Options& options) {
                  "SCHED_FIFO priority of the control loop, 1 to 99; 0: off, the default")
       ->type_name("N");
   app.add_flag("--lock-memory", options.lock_memory,
-               "Keep all memory in RAM; --lock-memory=false undoes the file's");
-  app.add_flag("--check", options.check, "Only say whether the configuration is valid");
+               "Lock all memory in RAM; --lock-memory=false overrides the file");
+  app.add_flag("--check", options.check, "Only check the configuration");
   app.set_version_flag("--version", "flotillad " + std::to_string(app::kVersionMajor) + "." +
                                         std::to_string(app::kVersionMinor) + " (" +
                                         std::string(app::source_revision()) + ")");

@@ -27,7 +27,7 @@ void require_scheme(std::string_view address, std::initializer_list<std::string_
   for (const std::string_view scheme : schemes) {
     allowed += (allowed.empty() ? "" : ", ") + std::string(scheme);
   }
-  throw ValueError("\"" + std::string(address) + "\" is no " + std::string(what) +
+  throw ValueError("\"" + std::string(address) + "\" is not a " + std::string(what) +
                    " (allowed: " + allowed + "…)");
 }
 
@@ -52,8 +52,8 @@ void read_link_option(std::string_view option, MavlinkLinkConfig& link) {
     link.signing = app::signing_policy(option.substr(kSigning.size()));
     if (link.signing) return;
   }
-  throw ValueError("\"" + std::string(option) + "\" behind " + link.address +
-                   " (allowed: ,rate=BYTES with whole bytes per second, 0: no limit; "
+  throw ValueError("\"" + std::string(option) + "\" of " + link.address +
+                   " is invalid (allowed: ,rate=BYTES with whole bytes per second, 0: no limit; "
                    ",signing=off, accept or required)");
 }
 
@@ -86,8 +86,8 @@ void require_link_count(std::size_t count) {
 float parameter_value(std::string_view name, std::optional<double> value, std::string_view text) {
   const app::ParameterInfo* info = app::find_parameter(name);
   if (info == nullptr) {
-    throw ValueError("no parameter is called \"" + std::string(name) +
-                     "\" (allowed: those of firmware/docs/PARAMETERS.md)");
+    throw ValueError("unknown parameter \"" + std::string(name) +
+                     "\" (see firmware/docs/PARAMETERS.md)");
   }
   // A conversion beyond float's range would be undefined.
   const bool fits = value && std::abs(*value) <= double{std::numeric_limits<float>::max()};

@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kTitle = "flotilla-parameters ";
 constexpr std::string_view kFirstLine = "flotilla-parameters 1";
 constexpr std::string_view kAllDefaults =
-    "ALL PARAMETERS ARE DEFAULTS: look at them and save before arming";
+    "ALL PARAMETERS ARE DEFAULTS: check and save them before arming";
 
 /// The shortest text that reads back as the same number.
 std::string number_text(float value) {
@@ -47,7 +47,7 @@ struct Checked {
 
 Checked check(std::string_view content) {
   if (content.empty()) return {{}, "is empty"};
-  if (content.size() < kChecksumLineSize) return {{}, "is cut short"};
+  if (content.size() < kChecksumLineSize) return {{}, "is truncated"};
   std::string_view lines = content.substr(0, content.size() - kChecksumLineSize);
   if (content.substr(lines.size()) != checksum_line(lines)) {
     return {{}, "is damaged or was edited by hand (its checksum does not match)"};
@@ -56,7 +56,7 @@ Checked check(std::string_view content) {
   if (title != kFirstLine) {
     return {{},
             title.starts_with(kTitle) ? "has another format (\"" + std::string(title) + "\")"
-                                      : std::string("is no parameter file")};
+                                      : std::string("is not a parameter file")};
   }
   return {lines, {}};
 }
@@ -66,8 +66,9 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
                std::array<bool, app::kParameterList.size()>& seen) {
   const std::size_t equals = line.find(" = ");
   if (line.starts_with("MODE = ")) {
-    loaded.notes.push_back(where + ": " + std::string(line) +
-                           " is dropped: a mode is asked for, it is no parameter any more");
+    loaded.notes.push_back(
+        where + ": " + std::string(line) +
+        " is ignored: the mode is no longer a parameter, set it from the ground station");
     return;
   }
   const app::ParameterInfo* info = app::find_parameter(line.substr(0, equals));
@@ -88,7 +89,7 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
   loaded.notes.push_back(where + ": " + std::string(info->name) + " = " + std::string(text) +
                          " is refused (allowed: " + number_text(info->least) + " to " +
                          number_text(info->greatest) + (info->whole() ? ", whole" : "") +
-                         "); default " + number_text(info->default_value));
+                         "); using the default " + number_text(info->default_value));
 }
 
 /// Notes parameters that are missing because an older version wrote the file.
@@ -99,7 +100,7 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
     if (seen[i]) continue;
     names += (names.empty() ? "" : ", ") + std::string(app::kParameterList[i].name);
   }
-  if (!names.empty()) loaded.notes.push_back(where + ": not in it, so default: " + names);
+  if (!names.empty()) loaded.notes.push_back(where + ": not in the file, so default: " + names);
 }
 
 /// Files older than NAV_COMPID hold 0 as the default of these parameters; 0 has another meaning
@@ -115,9 +116,9 @@ void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
     float& value = loaded.values.*info.member;
     if (!has(name) || value != 0) continue;
     value = info.default_value;
-    loaded.notes.push_back(
-        where + ": " + std::string(name) +
-        " = 0 of an older version is its new default now: " + number_text(value));
+    loaded.notes.push_back(where + ": " + std::string(name) +
+                           " = 0 from an older version is replaced by the new default " +
+                           number_text(value));
   }
 }
 
@@ -144,7 +145,7 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
   note_missing(seen, where, version);
   renew_defaults(seen, where, version);
   if (const auto contradiction = app::contradiction(version.values)) {
-    return bad("contradicts itself: " + std::string(*contradiction));
+    return bad("is inconsistent: " + std::string(*contradiction));
   }
   version.notes.insert(version.notes.begin(), loaded.notes.begin(), loaded.notes.end());
   loaded = std::move(version);
@@ -180,7 +181,7 @@ LoadedParameters load_parameters(const std::filesystem::path& path) {
   if (file == Found::kAbsent) loaded.notes.push_back(path.filename().string() + " is missing");
   if (previous == Found::kGood) {
     loaded.source = ParameterSource::kPrevious;
-    loaded.notes.push_back("the parameters are those of " + previous_path.filename().string());
+    loaded.notes.push_back("parameters loaded from " + previous_path.filename().string());
     return loaded;
   }
   loaded.source = ParameterSource::kDefaults;

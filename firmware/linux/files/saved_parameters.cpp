@@ -77,7 +77,7 @@ std::optional<std::string> SavedParameters::outcome() {
   const auto last = saver_.outcome();
   if (!last) return std::nullopt;
   if (last->fault) to_save_ = std::max(to_save_, last->why);  // to be retried
-  return saved(last->why == app::SaveRequest::kConfirmed ? "asked for" : "changed", last->fault);
+  return saved(last->why == app::SaveRequest::kConfirmed ? "on request" : "changed", last->fault);
 }
 
 std::optional<std::string> SavedParameters::saved(std::string_view why,

@@ -24,16 +24,16 @@ constexpr std::size_t kKeyBytes = std::tuple_size_v<link::SigningKey>;
 
 /// Why a file with these attributes keeps no secret.
 std::optional<std::string> indiscretion(const struct stat& about) {
-  if (!S_ISREG(about.st_mode)) return "is no file";
+  if (!S_ISREG(about.st_mode)) return "is not a regular file";
   if (about.st_uid != ::geteuid() && about.st_uid != 0) {
-    return "belongs to user " + std::to_string(about.st_uid) + ", not to this one or root";
+    return "belongs to user " + std::to_string(about.st_uid) + " (allowed: this user or root)";
   }
   const unsigned mode = about.st_mode & 07777U;
   if ((mode & 077U) == 0) return std::nullopt;
   std::array<char, 8> octal{};
   std::snprintf(octal.data(), octal.size(), "%04o", mode);
   return "has mode " + std::string(octal.data()) +
-         ": others may use the key (allowed: nothing for group and others; chmod 600 it, and "
+         ": others can access the key (allowed: nothing for group and others; chmod 600 it, and "
          "better make a new key)";
 }
 
@@ -79,7 +79,7 @@ link::SigningKey read_signing_key(const std::filesystem::path& path) {
   const std::string allowed = " (allowed: 32 bytes, or 64 hexadecimal digits)";
   if (is_half_a_key(text)) complain("is half of a hexadecimal key" + allowed);
   const auto key = parse(text);
-  if (!key) complain("is no key" + allowed);
+  if (!key) complain("is not a key" + allowed);
   return *key;
 }
 

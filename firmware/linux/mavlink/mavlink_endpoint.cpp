@@ -40,7 +40,7 @@ unsigned number_of(const EndpointAddress& address, unsigned greatest) {
   unsigned value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || value == 0 || value > greatest) {
-    refuse(address.whole, "\"" + text + "\" is no number from 1 to " + std::to_string(greatest));
+    refuse(address.whole, "\"" + text + "\" is not a number from 1 to " + std::to_string(greatest));
   }
   return value;
 }

@@ -30,7 +30,7 @@ UdpEndpoint::UdpEndpoint(const EndpointAddress& address)
   named_.sin_family = AF_INET;
   named_.sin_port = htons(static_cast<std::uint16_t>(number_of(address, 65535)));
   if (::inet_pton(AF_INET, address.place.c_str(), &named_.sin_addr) != 1) {
-    refuse(address.whole, "\"" + address.place + "\" is no numeric IPv4 address");
+    refuse(address.whole, "\"" + address.place + "\" is not a numeric IPv4 address");
   }
   reopen();
   socket_.take();

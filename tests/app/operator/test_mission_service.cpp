@@ -72,7 +72,7 @@ TEST_CASE("a target, and the way to it, keep the margin, but a boat at the edge 
         kept.service.fence().refusal_of(convert::Position{north_m, 0, kOrigin}, point(to_m, 0), 2));
   };
   CHECK(refusal(0, 17).empty());
-  CHECK(refusal(0, 18.5) == "too near to the fence");
+  CHECK(refusal(0, 18.5) == "too near the fence");
   CHECK(refusal(0, 21) == "outside the fence");
   CHECK(refusal(19.5, 0).empty());
   CHECK(refusal(21, 0) == "the boat is outside the fence");

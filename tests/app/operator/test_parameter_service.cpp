@@ -163,12 +163,11 @@ TEST_CASE("a refusal tells an operator what is allowed") {
   CHECK(said("SR_SLOW", -0.5F) == "SR_SLOW -0.5 refused: 0 to 50 Hz");
   CHECK(said("FORM_LEADER", 0) == "FORM_LEADER 0 refused: whole numbers, 1 to 255");
   CHECK(said("THR_PORT_DIR", 0) == "THR_PORT_DIR 0 refused: -1 or 1");
-  CHECK(said("MODE", 6) == "MODE is no parameter of this boat");
+  CHECK(said("MODE", 6) == "MODE is an unknown parameter");
   CHECK(said("MAV_COMPID", NAN) == "MAV_COMPID nan refused: whole numbers, 1 to 250");
   CHECK(said("ESC_PORT", 1) == "ESC_PORT 1 refused: ESC_PORT and ESC_STBD are the same ESC");
   CHECK(said("MAV_IDENTITY", 1) ==
-        "MAV_IDENTITY 1 refused: MAV_COMPID 1 is the autopilot's own, a companion (MAV_IDENTITY 1) "
-        "takes 191");
+        "MAV_IDENTITY 1 refused: companion (MAV_IDENTITY 1): set MAV_COMPID 191");
   boat.armed = true;
   CHECK(said("THR_ARM", 2) == "THR_ARM 2 refused: only while disarmed");
 }

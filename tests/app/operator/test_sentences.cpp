@@ -47,9 +47,9 @@ TEST_CASE("a voyage's steps are told from 1, with their names") {
         "Voyage: step 1 of " + count + ", drift");
   CHECK(told(sentence_of(VoyageNews{kAgain, 2, "too fast"})) == "Voyage: step 2 again: too fast");
   CHECK(told(sentence_of(VoyageNews{kLeftOut, 2, "too fast"})) ==
-        "Voyage: step 2 left out: too fast");
+        "Voyage: step 2 skipped: too fast");
   CHECK(told(sentence_of(VoyageNews{kOver, 40, {}})) ==
-        "Voyage: over, 40 of " + count + " steps whole");
+        "Voyage: over, 40 of " + count + " steps complete");
 }
 
 TEST_CASE("links count from 1, and the first closed one is told") {

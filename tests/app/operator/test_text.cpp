@@ -40,7 +40,7 @@ TEST_CASE("every condition that is not met has a sentence of its own, which fits
     said.insert(sentences[0]);
   }
   CHECK(said.size() == core::kConditionCount);
-  CHECK(said.count("no sticks: MANUAL_CONTROL is silent") == 1);
+  CHECK(said.count("no sticks (MANUAL_CONTROL or RC)") == 1);
   CHECK(said.count("no motor test is running") == 1);
 }
 

@@ -136,7 +136,7 @@ TEST_CASE("no parameter changes the mode, whatever file a client loads") {
   }
   s.set("MODE", 6);
   s.tick();
-  CHECK(s.says("MODE is no parameter of this boat"));
+  CHECK(s.says("MODE is an unknown parameter"));
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
 }
 

@@ -31,27 +31,27 @@ TEST_CASE("an address that names no bus is refused, and the refusal says what is
     CHECK(refusal(address).find("CAN bus \"") == 0);
   }
   says("can0", "must be socketcan:INTERFACE or mcast:N[:ADDRESS]");
-  says("mcast", "\"\" is no bus number from 0 to 9");
-  says("mcast:", "\"\" is no bus number from 0 to 9");
-  says("mcast:10", "\"10\" is no bus number from 0 to 9");
-  says("mcast:-1", "\"-1\" is no bus number from 0 to 9");
-  says("mcast:x:127.0.0.1", "\"x\" is no bus number from 0 to 9");
-  says("mcast:0:", "\"\" is no IPv4 address");
-  says("mcast:0:eth0", "\"eth0\" is no IPv4 address");
-  says("mcast:0:127.1", "\"127.1\" is no IPv4 address");
-  says("mcast:0:127.0.0.1:5", "\"127.0.0.1:5\" is no IPv4 address");
-  says("mcast:0:0.0.0.0", "0.0.0.0 is no address of an interface");
-  says("mcast:0:239.65.82.0", "239.65.82.0 is no address of an interface");
-  says("mcast:0:255.255.255.255", "255.255.255.255 is no address of an interface");
-  says("socketcan:", "\"\" is no name of an interface");
-  says("socketcan:a/b", "\"a/b\" is no name of an interface");
-  says("socketcan:sixteen_letters_", "\"sixteen_letters_\" is no name of an interface");
+  says("mcast", "\"\" is not a bus number from 0 to 9");
+  says("mcast:", "\"\" is not a bus number from 0 to 9");
+  says("mcast:10", "\"10\" is not a bus number from 0 to 9");
+  says("mcast:-1", "\"-1\" is not a bus number from 0 to 9");
+  says("mcast:x:127.0.0.1", "\"x\" is not a bus number from 0 to 9");
+  says("mcast:0:", "\"\" is not an IPv4 address");
+  says("mcast:0:eth0", "\"eth0\" is not an IPv4 address");
+  says("mcast:0:127.1", "\"127.1\" is not an IPv4 address");
+  says("mcast:0:127.0.0.1:5", "\"127.0.0.1:5\" is not an IPv4 address");
+  says("mcast:0:0.0.0.0", "0.0.0.0 is not an interface address");
+  says("mcast:0:239.65.82.0", "239.65.82.0 is not an interface address");
+  says("mcast:0:255.255.255.255", "255.255.255.255 is not an interface address");
+  says("socketcan:", "\"\" is not an interface name");
+  says("socketcan:a/b", "\"a/b\" is not an interface name");
+  says("socketcan:sixteen_letters_", "\"sixteen_letters_\" is not an interface name");
 }
 
 TEST_CASE("a node id that no DroneCAN node may have is refused") {
   for (const std::uint8_t node : std::array<std::uint8_t, 3>{0, 128, 255}) {
     CHECK(refusal("mcast:9", node) ==
-          "CAN bus \"mcast:9\": " + std::to_string(node) + " is no node id from 1 to 127");
+          "CAN bus \"mcast:9\": " + std::to_string(node) + " is not a node id from 1 to 127");
   }
   CHECK(refusal("mcast:9", 1) == "opened");
   CHECK(refusal("mcast:9", 127) == "opened");

@@ -145,7 +145,7 @@ TEST_CASE("a hull's own files are read, and single parameters win over them") {
 
 TEST_CASE("a mistake in a parameter file is told with its line") {
   const std::pair<const char*, const char*> cases[] = {
-      {"LAW_KX,0.25\nLAW_K,1\n", ":2: no parameter is called \"LAW_K\""},
+      {"LAW_KX,0.25\nLAW_K,1\n", ":2: unknown parameter \"LAW_K\""},
       {"LAW_KX,3\n", ":1: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)"},
       {"\nLAW_KX,much\n", ":2: LAW_KX = much"},
       {"LAW_KX\n", ":1: neither NAME,VALUE nor QGroundControl's five columns"},
@@ -270,20 +270,23 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
        ":2:1: unknown key \"speed\" (allowed: can, mavlink, state-dir, signing-key, log, stats, "
        "stop-gpio, priority, lock-memory, param)\n"},
       {"can = 0\n", ":1:7: can: must be a string\n"},
-      {"can = \"can0\"\n", ":1:7: can: \"can0\" is no CAN bus (allowed: socketcan:, mcast:…)\n"},
+      {"can = \"can0\"\n", ":1:7: can: \"can0\" is not a CAN bus (allowed: socketcan:, mcast:…)\n"},
       {"can = \"socketcan:\"\n",
-       ":1:7: can: \"socketcan:\" is no CAN bus (allowed: socketcan:, mcast:…)\n"},
+       ":1:7: can: \"socketcan:\" is not a CAN bus (allowed: socketcan:, mcast:…)\n"},
       {"mavlink = \"udpin:0.0.0.0:1\"\n",
        ":1:11: mavlink: must be a list of strings, such as [\"udpin:0.0.0.0:14550\"]\n"},
       {"mavlink = [\n  \"udpin:0.0.0.0:1\",\n  7,\n]\n", ":3:3: mavlink: must be a string\n"},
       {"mavlink = [\"tcp:1.2.3.4:5\"]\n",
-       ":1:12: mavlink: \"tcp:1.2.3.4:5\" is no MAVLink link (allowed: udpin:, udpout:, udpbcast:, "
+       ":1:12: mavlink: \"tcp:1.2.3.4:5\" is not a MAVLink link (allowed: udpin:, udpout:, "
+       "udpbcast:, "
        "serial:…)\n"},
       {"mavlink = [\"udpin:0.0.0.0:1,rate=fast\"]\n",
-       ":1:12: mavlink: \",rate=fast\" behind udpin:0.0.0.0:1 (allowed: ,rate=BYTES with whole "
+       ":1:12: mavlink: \",rate=fast\" of udpin:0.0.0.0:1 is invalid (allowed: ,rate=BYTES with "
+       "whole "
        "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
       {"mavlink = [\"udpin:0.0.0.0:1,rate=1,signing=yes\"]\n",
-       ":1:12: mavlink: \",signing=yes\" behind udpin:0.0.0.0:1 (allowed: ,rate=BYTES with whole "
+       ":1:12: mavlink: \",signing=yes\" of udpin:0.0.0.0:1 is invalid (allowed: ,rate=BYTES with "
+       "whole "
        "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
       {"signing-key = 7\n", ":1:15: signing-key: must be a string\n"},
       {"mavlink = [\"udpin:a:1\", \"udpin:a:2\", \"udpin:a:3\", \"udpin:a:4\", \"udpin:a:5\"]\n",
@@ -294,7 +297,7 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
       {"lock-memory = 1\n", ":1:15: lock-memory: must be true or false\n"},
       {"param = 1\n", ":1:9: param: must be a table: [param] and NAME = VALUE lines\n"},
       {"[param]\n\nLAW_K = 1\n",
-       ":3:9: param: no parameter is called \"LAW_K\" (allowed: those of "
+       ":3:9: param: unknown parameter \"LAW_K\" (see "
        "firmware/docs/PARAMETERS.md)\n"},
       {"[param]\nLAW_KX = \"much\"\n", ":2:10: param: LAW_KX must be a number\n"},
       {"[param]\nLAW_KX = true\n", ":2:10: param: LAW_KX must be a number\n"},
@@ -332,7 +335,7 @@ TEST_CASE("a mistake on the command line names the option and what is allowed") 
   CHECK(mistake({link, "--param", "LAW_KX=0.1x"}) ==
         "flotillad: --param: LAW_KX = 0.1x (allowed: numbers from 0 to 2 1/s)\n");
   CHECK(mistake({link, "--param", "SPEED=3"}) ==
-        "flotillad: --param: no parameter is called \"SPEED\" (allowed: those of "
+        "flotillad: --param: unknown parameter \"SPEED\" (see "
         "firmware/docs/PARAMETERS.md)\n");
   CHECK(mistake({link, "--priority", "high"}) ==
         "flotillad: --priority: allowed: whole numbers from 0 (off) to 99\n");
@@ -341,8 +344,8 @@ TEST_CASE("a mistake on the command line names the option and what is allowed") 
           "flotillad: --stop-gpio: \"" + wrong + "\" is not CHIP:LINE, such as gpiochip0:17\n");
   }
   CHECK(mistake({link, "--can", "vcan0"}) ==
-        "flotillad: --can: \"vcan0\" is no CAN bus (allowed: socketcan:, mcast:…)\n");
-  CHECK(mistake({"--mavlink", "udp:1:1"}).find("--mavlink: \"udp:1:1\" is no MAVLink link") !=
+        "flotillad: --can: \"vcan0\" is not a CAN bus (allowed: socketcan:, mcast:…)\n");
+  CHECK(mistake({"--mavlink", "udp:1:1"}).find("--mavlink: \"udp:1:1\" is not a MAVLink link") !=
         std::string::npos);
   CHECK(mistake({link, "--state-dir", ""}) ==
         "flotillad: state-dir: must be the name of a directory\n");

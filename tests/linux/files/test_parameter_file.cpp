@@ -106,7 +106,7 @@ TEST_CASE("file truncated at every byte: the previous version, and it is said") 
     CHECK(loaded.source == ParameterSource::kPrevious);
     CHECK(loaded.values.LAW_KX == 0.25F);
     CHECK(said(loaded, "parameters.txt "));
-    CHECK(said(loaded, "the parameters are those of parameters.txt.previous"));
+    CHECK(said(loaded, "parameters loaded from parameters.txt.previous"));
     CHECK_FALSE(loaded.must_be_confirmed);
   }
 }
@@ -166,7 +166,7 @@ TEST_CASE("what is there instead of a parameter file is said, never fatal") {
   }
   SUBCASE("a whole file of something else") {
     put(boat.file, signed_text("shopping list\nbeer = 6\n"));
-    why = "is no parameter file";
+    why = "is not a parameter file";
   }
   SUBCASE("a format of the future") {
     put(boat.file, signed_text("flotilla-parameters 2\nLAW_KX = 0.5\n"));
@@ -196,7 +196,8 @@ TEST_CASE("a value that is not allowed keeps its default alone, and must be conf
     CHECK(loaded.values.LAW_KX == Parameters{}.LAW_KX);
     CHECK(loaded.values.LAW_KPSI == 0.75F);
     CHECK(loaded.must_be_confirmed);
-    CHECK(said(loaded, "p: LAW_KX = " + bad + " is refused (allowed: 0 to 2); default 0.2"));
+    CHECK(said(loaded,
+               "p: LAW_KX = " + bad + " is refused (allowed: 0 to 2); using the default 0.2"));
   }
 }
 
@@ -207,7 +208,7 @@ TEST_CASE("values that exclude each other are no boat: the previous version") {
   CHECK(loaded.source == ParameterSource::kPrevious);
   CHECK(loaded.values.LAW_KX == 0.25F);
   CHECK(loaded.values.ESC_PORT == 0);
-  CHECK(said(loaded, "contradicts itself: ESC_PORT and ESC_STBD are the same ESC"));
+  CHECK(said(loaded, "is inconsistent: ESC_PORT and ESC_STBD are the same ESC"));
 }
 
 TEST_CASE("names of another version are kept over saves, word for word, and said") {
@@ -239,7 +240,7 @@ TEST_CASE("a file of an older version has its values; what it lacks is default a
   CHECK(loaded.values.LAW_KPSI == Parameters{}.LAW_KPSI);
   CHECK_FALSE(loaded.must_be_confirmed);
   REQUIRE(loaded.notes.size() == 1);
-  CHECK(loaded.notes[0].starts_with("p: not in it, so default: MAV_SYSID, "));
+  CHECK(loaded.notes[0].starts_with("p: not in the file, so default: MAV_SYSID, "));
 }
 
 TEST_CASE("zeros that were defaults of an older version, and mean another thing now, are renewed") {
@@ -249,7 +250,7 @@ TEST_CASE("zeros that were defaults of an older version, and mean another thing 
   const auto loaded = load_parameters(folder / "old");
   CHECK(loaded.values.NAV_LAG_S == -1);
   CHECK(loaded.values.FS_SEP_M == -1);
-  CHECK(said(loaded, "old: NAV_LAG_S = 0 of an older version is its new default now: -1"));
+  CHECK(said(loaded, "old: NAV_LAG_S = 0 from an older version is replaced by the new default -1"));
   put(folder / "new", signed_text(old + "NAV_COMPID = 0\n"));
   CHECK(load_parameters(folder / "new").values.NAV_LAG_S == 0);
   CHECK(load_parameters(folder / "new").values.FS_SEP_M == 0);
@@ -266,7 +267,9 @@ TEST_CASE("an old file that names a mode is read with a sentence, and loses it w
   CHECK(loaded.values.LAW_KX == 0.5F);
   CHECK(loaded.unknown.empty());
   CHECK_FALSE(loaded.must_be_confirmed);
-  CHECK(said(loaded, "p: MODE = 6 is dropped: a mode is asked for, it is no parameter any more"));
+  CHECK(said(
+      loaded,
+      "p: MODE = 6 is ignored: the mode is no longer a parameter, set it from the ground station"));
   REQUIRE_FALSE(save_parameters(folder / "p", loaded.values, loaded.unknown));
   CHECK(content(folder / "p").find("\nMODE") == std::string::npos);
 }

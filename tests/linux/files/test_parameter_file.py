@@ -38,7 +38,7 @@ def test_a_boat_that_was_never_set_up_says_so_and_does_not_arm_until_saved(sea: 
     sea.set_up = False
     sea.start()
     sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
-    assert "parameters are defaults: look at them and save" in sea.texts()
+    assert "parameters are defaults: check and save them" in sea.texts()
     assert f"no {sea.state_dir}/parameters.txt: never set up, or lost" in sea.process.words
     assert "ALL PARAMETERS ARE DEFAULTS" in sea.process.words
     assert not sea.armed
@@ -77,7 +77,7 @@ def test_a_damaged_file_falls_back_to_the_previous_one_and_says_so(
     sea.arm()
     assert sea.source_node() == 33
     assert "parameters.txt is damaged" in sea.process.words
-    assert "the parameters are those of parameters.txt.previous" in sea.process.words
+    assert "parameters loaded from parameters.txt.previous" in sea.process.words
     assert sea.end() == 0
     assert is_whole(file.read_text()) and "CAN_NODE = 33\n" in file.read_text()
 

@@ -63,7 +63,7 @@ TEST_CASE("neither another length nor other digits are a key") {
                              "-" + kHex.substr(1)};
   for (const std::string& text : bad) {
     CAPTURE(text);
-    CHECK(KeyFile(text).refusal() == "is no key (allowed: 32 bytes, or 64 hexadecimal digits)");
+    CHECK(KeyFile(text).refusal() == "is not a key (allowed: 32 bytes, or 64 hexadecimal digits)");
   }
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("a key that others may read or write is none") {
     CAPTURE(mode);
     CHECK(KeyFile(raw_key(), mode)
               .refusal()
-              .find("others may use the key (allowed: nothing for group and others") !=
+              .find("others can access the key (allowed: nothing for group and others") !=
           std::string::npos);
   }
   CHECK(KeyFile(raw_key(), 0644).refusal().starts_with("has mode 0644"));
@@ -92,7 +92,7 @@ TEST_CASE("a key of somebody else is none") {
   const KeyFile file(raw_key());
   if (::geteuid() != 0) return;  // only root can give files away
   REQUIRE(::chown(file.path.c_str(), 12345, 0) == 0);
-  CHECK(file.refusal() == "belongs to user 12345, not to this one or root");
+  CHECK(file.refusal() == "belongs to user 12345 (allowed: this user or root)");
 }
 
 TEST_CASE("no file and a directory are said") {
@@ -101,7 +101,7 @@ TEST_CASE("no file and a directory are said") {
                                                        " cannot be read: No such file or directory")
                                                           .c_str());
   CHECK_THROWS_WITH(read_signing_key(folder.path()),
-                    ("signing-key " + folder.path().string() + " is no file").c_str());
+                    ("signing-key " + folder.path().string() + " is not a regular file").c_str());
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ const std::vector<Mutation> kThrust{
     {"MANUAL: no thrust before the sticks were at neutral", kManual,
      [](Pair& q) { q.n.neutral_us = q.n.state_us - 510'000; }},
     {"age of own state unknown: no thrust by the law", kCoast, lost(core::kOwnTimed)},
-    {"navigation unit calls its estimate poor: no thrust by the law", kCoast, lost(core::kOwnGood)},
+    {"navigation unit reports a poor estimate: no thrust by the law", kCoast, lost(core::kOwnGood)},
     {"own state frozen or jumping: no thrust by the law", kLaw, lost(core::kOwnLive)},
     {"leader's state frozen, jumping or of unknown age: no thrust in FORMATION", kLaw,
      lost(core::kLeaderSteady)},
