@@ -326,7 +326,7 @@ def test_strangers_are_no_boats(waters: Waters) -> None:
         ({"shape": "ve", "spacing_m": 4.0}, 'unknown shape "ve"; did you mean "vee"?'),
         ({"shape": "vee", "spacing_m": 400.0}, "the place of boat 4 is over 327 m from boat 1's"),
         ({"shape": "vee", "spacing_m": 4.0, "boats": (1, 2, 9)}, "boat 9 is not heard"),
-        ({"shape": "diamond", "spacing_m": 4.0, "boats": (1, 2, 3)}, "3 is none of them"),
+        ({"shape": "diamond", "spacing_m": 4.0, "boats": (1, 2, 3)}, "use 1 or 4 instead of 3"),
     ],
 )
 def test_what_cannot_be_formed_is_refused(waters: Waters, wish: dict[str, Any], said: str) -> None:
