@@ -60,7 +60,7 @@ def _reference_table(leg: Leg) -> Table:
 def period(reference: Reference) -> str:
     """T of eq:PE, or the reason why there is none."""
     if reference.T_s is None:
-        return "none: nothing turns"
+        return "none: the leader does not turn"
     if reference.kind == "turning":
         return "any; a short one, which suits the formulas best"
     return f"{reference.T_s:.3f} s, the period of the input"
@@ -92,7 +92,7 @@ def _theory(case: Case) -> Iterable[tuple[str, str]]:
     yield "  holds", "yes" if test.bound_holds else "no"
     yield "small gain, position γ1 (38)", _number(test.gamma1)
     yield "small gain, sway γ2 (40)", _number(test.gamma2)
-    yield "  γ1 γ2, to be under 1", _number(test.product)
+    yield "  γ1 γ2, must be less than 1", _number(test.product)
     yield "  largest k_x (1/s)", _or_none(test.k_x_product)
     yield "estimate (41) with (1 + k_x)²", _number(test.above_square_of_sum)
     yield "  largest k_x (1/s)", _or_none(test.k_x_square_of_sum)
@@ -111,7 +111,7 @@ def _loops(case: Case) -> Iterable[tuple[str, str]]:
     yield "  decay (1/s)", f"{loop.decay:z.4f}"
     yield "  slowest is in", ", ".join([*loop.slowest][:_SHOWN])
     yield "  decay with LAW_OBS_BW =\n    LAW_CUR_BW = 0 (1/s)", f"{loop.decay_of_law:z.4f}"
-    yield "  neutral: a hull without way", str(loop.neutral)
+    yield "  neutral modes (hull at rest)", str(loop.neutral)
     x, y, psi = loop.error
     yield "  off the slot (m)", f"{math.hypot(x, y):.4f}" if loop.steady else "not steady"
     yield "    heading (°)", f"{math.degrees(psi):.3f}" if loop.steady else ""
@@ -120,12 +120,12 @@ def _loops(case: Case) -> Iterable[tuple[str, str]]:
 def _propellers(case: Case) -> Iterable[tuple[str, str]]:
     need, pair = case.thrust, case.setup.propellers
     limits = f"{-pair.reverse_max_N:.3g} … {pair.forward_max_N:.3g}"
-    yield "propellers can give (N)", limits.replace("-", "−")
+    yield "propeller limits (N)", limits.replace("-", "−")
     span = f"{need.least_N:z.2f} … {need.most_N:z.2f}"
     yield "  the slot needs (N)", span.replace("-", "−")
-    yield "  left (%)", f"{100.0 * need.margin:.1f}".replace("-", "−")
-    yield "  least left", f"{need.side}, {'ahead' if need.direction == 'forward' else 'astern'}"
-    yield "    into the window (s)", f"{need.at_s:.1f}"
+    yield "  margin (%)", f"{100.0 * need.margin:.1f}".replace("-", "−")
+    yield "  least margin", f"{need.side}, {'ahead' if need.direction == 'forward' else 'astern'}"
+    yield "    at time in window (s)", f"{need.at_s:.1f}"
 
 
 def _chain_table(chain: Chain, margins: Margins) -> Table:

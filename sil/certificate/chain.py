@@ -156,7 +156,7 @@ def too_deep(chain: Chain) -> str:
         why = f"{at.yaw_rate:.2g} rad/s, over {limits.yaw_rate:.2g} rad/s"
     return (
         f"a chain of {len(chain.path)} boats, certified to depth {chain.certified}: from boat "
-        f"{first} on it cannot hold ({why})"
+        f"{first} on it cannot hold its slots ({why})"
     )
 
 

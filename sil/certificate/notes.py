@@ -18,10 +18,10 @@ def notes(certificate: Certificate) -> list[str]:
         "The small-gain test is sufficient only: failing it proves nothing. It and the nominal "
         "loop (24) concern the paper's law; the sampled loop is that of the firmware, extensions "
         "included.",
-        "Links: no boat acts on its leader. So late, rare or lost messages of a leader are in "
-        "no loop: they add states of delay but no feedback, and change no multiplier. The gains of "
-        "the chain show how they amplify motions from boat to boat, for small motions on a "
-        "straight course. The rate of a boat's own fixes is in the loop.",
+        "Links: no boat acts on its leader. So late, rare or lost messages of a leader are "
+        "outside every loop: they add states of delay but no feedback, and change no multiplier. "
+        "The gains of the chain show how they amplify motions from boat to boat, for small "
+        "motions on a straight course. The rate of a boat's own fixes is in the loop.",
         "The verdict concerns small errors, and each boat's decay is that behind a leader without "
         "error. Along a chain the modes repeat: the k-th boat's error may follow t^(k-1) e^(-σt), "
         "so its decay begins later, although its final rate is the same.",

@@ -13,7 +13,7 @@ _NOTHING = 1e-4  # 1/s: smaller rates are neither decay nor growth
 def search_rows(certificate: Certificate, search: Search) -> Iterable[tuple[str, str]]:
     """Rows of two texts: a name, and a value."""
     if search.decay_of_law < _NOTHING:
-        yield "none", "for all gains tried, some error stays or grows"
+        yield "none", "with all gains tried, some error does not decay"
         return
     for name, gain in search.gains.items():
         yield name, f"{gain:.3g} (now {_now(certificate, name)}; {_span(search, name)})"

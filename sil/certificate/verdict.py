@@ -32,7 +32,7 @@ def sentence(certificate: Certificate) -> str:
         text += "; while the leader is at rest, errors abeam stay as they are" + _up_to(neutral)
     worst = max((case for _, case in cases), key=_off_m)
     if _off_m(worst) > SETTLED_M:
-        text += f"; but {name(worst.boats)}: {_off_m(worst):.2f} m off the slot for ever"
+        text += f"; but {name(worst.boats)}: {_off_m(worst):.2f} m off the slot permanently"
     return text
 
 
@@ -49,9 +49,7 @@ def _failures(certificate: Certificate) -> Iterator[str]:
             yield f"{name(case.boats)}: small errors grow by {rate:.3g} 1/s" + _leg(leg, where)
     for leg, case in cases:
         if case.sampled.outcome == "stays":
-            yield f"{name(case.boats)}: some error stays for ever{_why(leg, case)}" + _leg(
-                leg, where
-            )
+            yield f"{name(case.boats)}: some error never decays{_why(leg, case)}" + _leg(leg, where)
     for leg, case in cases:
         if not case.sampled.steady:
             limit = ", a propeller at its limit" if case.sampled.limited else ""
@@ -90,12 +88,13 @@ def _thrust(case: Case) -> str:
     need = case.thrust
     if need.margin >= 0.0:
         return (
-            f"{name(case.boats)}: the slot needs {need.sway_N:.2g} N in sway: no propeller gives it"
+            f"{name(case.boats)}: the slot needs {need.sway_N:.2g} N in sway, "
+            "which no propeller can give"
         )
     side = "port" if need.side == "port" else "starboard"
     return (
-        f"{name(case.boats)}: the {side} propeller lacks {-100.0 * need.margin:.0f} % "
-        f"{need.direction} of what the slot needs"
+        f"{name(case.boats)}: the slot needs {-100.0 * need.margin:.0f} % more {need.direction} "
+        f"thrust than the {side} propeller can give"
     )
 
 

@@ -29,7 +29,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
     arguments.add_workers_to(parser)
     parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="sail on this Dask cluster: tcp://HOST:PORT"
+        "--scheduler", metavar="ADDRESS", help="run on this Dask cluster: tcp://HOST:PORT"
     )
     parser.add_argument(
         "--run", type=int, metavar="K", help="sail only run K, with its full trace, into DIR/runs/K"

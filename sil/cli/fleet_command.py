@@ -60,7 +60,7 @@ _DEFAULT, _GROUND = "udpin:127.0.0.1:14550", "udpout:127.0.0.1:14551"
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("action", metavar="ACTION", help="as above")
+    parser.add_argument("action", metavar="ACTION", help="one of the actions above")
     parser.add_argument("words", nargs="*", metavar="…", help="SHAPE, or LAT LON")
     parser.add_argument(
         "--mavlink",
@@ -78,7 +78,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         help="sign messages, and accept only those signed with this key",
     )
     parser.add_argument(
-        "--station", type=_system, default=255, metavar="N", help="own system id (255)"
+        "--station", type=_system, default=255, metavar="N", help="system id of this station (255)"
     )
     parser.add_argument(
         "--spacing", type=float, metavar="M", help="form: distance between neighbours, m"
@@ -97,7 +97,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--ground", metavar="LINK", default=_GROUND, help=f"serve: the ground station ({_GROUND})"
     )
     parser.add_argument(
-        "--as", type=_system, default=250, metavar="N", dest="vehicle", help="serve: its id (250)"
+        "--as",
+        type=_system,
+        default=250,
+        metavar="N",
+        dest="vehicle",
+        help="serve: system id of the fleet's vehicle (250)",
     )
 
 
@@ -152,15 +157,20 @@ def _wish(options: argparse.Namespace) -> "Wish":
     wanted = {"form": 1, "go": 0 if options.local else 2}.get(action, 0)
     if len(words) != wanted:
         usage = f"flotilla fleet {action} {_WORDS.get(action, '')}".rstrip()
-        raise ValueError(f"{usage}: {len(words)} words are given, {wanted} needed")
+        raise ValueError(f"{usage}: arguments needed: {wanted}, given: {len(words)}")
     place = None
     if action == "go" and not options.local:
         try:
             place = float(words[0]), float(words[1])
         except ValueError:
-            raise ValueError(f'"{" ".join(words)}" is no latitude and longitude') from None
+            raise ValueError(
+                f'"{" ".join(words)}" is not a latitude and longitude in degrees'
+            ) from None
         if not is_on_globe(*place):
-            raise ValueError(f'"{" ".join(words)}" is no latitude and longitude, in degrees')
+            raise ValueError(
+                f'"{" ".join(words)}": latitude must be from -90 to 90 degrees, '
+                "longitude from -180 to 180"
+            )
     return Wish(
         action=action,
         boats=options.boats,
@@ -175,7 +185,7 @@ def _wish(options: argparse.Namespace) -> "Wish":
 def _system(text: str) -> int:
     """Parse a system id; raise an argparse error if it is invalid."""
     if not text.isdecimal() or not 1 <= int(text) <= 255:
-        raise argparse.ArgumentTypeError(f'"{text}" is no system id from 1 to 255')
+        raise argparse.ArgumentTypeError(f'"{text}" is not a system id (1 to 255)')
     return int(text)
 
 

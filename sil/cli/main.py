@@ -18,16 +18,16 @@ _VERBS = {
     "run": "sail a scenario in lockstep, as fast as possible",
     "live": "sail a scenario in real time, one flotillad process per boat",
     "campaign": "sail a scenario many times, each run with its own draws",
-    "compare": "is campaign B worse than campaign A?",
+    "compare": "compare two campaigns: is the second worse than the first?",
     "identify": "identify a hull from logs of its sailing: a parameter file, a page",
     "certify": "check before sailing whether the gains hold the formation",
     "view": "show a fleet in the browser, live or recorded",
     "fleet": "command a fleet: arm it, form it, send it off, stop it",
-    "doctor": "find out what keeps a boat's computer from sailing",
+    "doctor": "check a boat's computer: what keeps the boat from sailing",
     "scenarios": "list the scenarios, or print one as a start for your own",
     "hulls": "list the hulls that a scenario may name, or print one's parameters",
-    "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
-    "replay": "feed a recording to its boats again: the same answers, bit for bit?",
+    "convert": "convert logs to an MCAP file for Foxglove, Lichtblick and Rerun",
+    "replay": "replay a recording to its boats, and compare the answers bit for bit",
     "faults": "sail the matrix of faults, or hours of random ones",
     "bench": "time the firmware and the simulation, count instructions",
     "rivals": "compare Flotilla with other ways to follow a plan",
@@ -49,9 +49,9 @@ _EXTRAS = {
 # Each of these builds its program before it runs it.
 _TOOLS = {
     "fuzz": "feed random bytes, frames, files and histories to the firmware",
-    "fixed": "prove the errors of the fixed-point functions",
+    "fixed": "check the errors of the fixed-point functions for every argument",
     "metal": "play a stream to a Cortex-M4 under qemu; instructions and memory",
-    "flakes": "repeat tests and runs: does one ever differ?",
+    "flakes": "repeat tests and runs, and find those whose results differ",
     "reference": "renew the generated tables of the firmware's pages",
 }
 _INTERRUPTED = 130

@@ -39,9 +39,9 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     everyone = (OURS, *RIVALS)
     for given, allowed in ((options.only, everyone), (options.tune, RIVALS)):
         if given is not None and given not in allowed:
-            raise ValueError(f"{given}: there are {', '.join(allowed)}")
+            raise ValueError(f"{given}: unknown; choose from {', '.join(allowed)}")
     if options.write and options.only:
-        raise ValueError("--write needs all rivals: leave --only out")
+        raise ValueError("--write needs all rivals: leave out --only")
     if options.tune:
         for mean_m, gains in tune(options.tune, list(ROUTES)):
             print(f"{mean_m:.4f} m", *gains)

@@ -94,7 +94,9 @@ def _worst_of(folder: Path, length_m: float | None) -> dict[str, Any]:
 
     history = worst.read(folder)
     if history is None:
-        raise ValueError(f"{folder}: a campaign without {worst.NAME}, no run to play back")
+        raise ValueError(
+            f"{folder}: the campaign has no {worst.NAME}, so there is no run to play back"
+        )
     if length_m is not None:
         for vessel in history["vessels"]:
             vessel["length_m"] = length_m

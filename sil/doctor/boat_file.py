@@ -92,7 +92,7 @@ def _judged(computer: Computer, path: str) -> Iterator[Finding]:
     try:
         done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=30)  # noqa: S603
     except (OSError, subprocess.TimeoutExpired) as error:
-        yield bad(str(program), f"does not start: {error}", "install it anew: tools/flash")
+        yield bad(str(program), f"does not start: {error}", "reinstall it: tools/flash")
         return
     if done.returncode == 0:
         yield ok(path, "is valid")

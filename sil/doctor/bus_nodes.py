@@ -95,14 +95,14 @@ def judge(boat: Boat, nodes: Nodes) -> Iterator[Finding]:
     if not others and not nodes.escs:
         if nodes.nameless:
             remedy = "start flotillad: it gives them one"
-            yield bad(boat.can, "motor controllers ask for a node id, and get none", remedy)
+            yield bad(boat.can, "motor controllers request a node id but get none", remedy)
         else:
             yield bad(boat.can, "no motor controller is heard", _POWER)
         return
     for name in ("ESC_PORT", "ESC_STBD"):
         index = round(boat.parameters.get(name, name == "ESC_STBD"))
         heard = nodes.escs.get(index, set())
-        set_it = "set it by the motor controller's own tool (index, not node id)"
+        set_it = "set it with the motor controller's own tool (index, not node id)"
         if not heard:
             what = f"no motor controller has the index {index} ({name}); heard: {_list(nodes.escs)}"
             yield bad(boat.can, what, f"{_POWER}; {set_it}, or {name}")
@@ -126,7 +126,7 @@ def _health(where: str, nodes: Nodes, others: set[int]) -> Iterator[Finding]:
     for node in sorted(others):
         health = nodes.status[node].health
         if nodes.restarts[node] > 1:
-            what = f"two nodes share the id {node}, or it restarts again and again"
+            what = f"two nodes share the id {node}, or the node keeps restarting"
             yield bad(
                 where,
                 what,
@@ -135,7 +135,7 @@ def _health(where: str, nodes: Nodes, others: set[int]) -> Iterator[Finding]:
         if health:
             tell = bad if health > 1 else doubt
             remedy = "read its own error in its tool or manual; temperature and supply come first"
-            yield tell(where, f"node {node} tells that its health is {_HEALTH[health]}", remedy)
+            yield tell(where, f"node {node} reports health {_HEALTH[health]}", remedy)
 
 
 def _list(numbers: object) -> str:

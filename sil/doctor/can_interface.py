@@ -37,12 +37,12 @@ def can_interface(computer: Computer, boat: Boat) -> Iterator[Finding]:
         yield bad(
             boat.can,
             "there is no such interface",
-            "in /boot/firmware/config.txt the dtoverlay of the CAN HAT, then reboot; "
-            "`sudo dmesg | grep -i can` says what the kernel found",
+            "add the CAN HAT's dtoverlay to /boot/firmware/config.txt, then reboot; "
+            "`sudo dmesg | grep -i can` shows what the kernel found",
         )
         return
     if computer.read(f"{folder}/type") != _CAN_TYPE:
-        yield bad(boat.can, "is no CAN interface", "`ip -br link show type can` lists them")
+        yield bad(boat.can, "is not a CAN interface", "`ip -br link show type can` lists them")
         return
     flags = int(computer.read(f"{folder}/flags") or "0", 16)
     if not flags & _IFF_UP:
@@ -94,4 +94,4 @@ def _details(where: str, told: dict[str, Any]) -> Iterator[Finding]:
         yield doubt(where, "stays off after too many errors", remedy)
     lost = told.get("info_xstats", {}).get("bus_off", 0)
     if lost:
-        yield doubt(where, f"was switched off by errors {lost} times since it is up", _WIRES)
+        yield doubt(where, f"was switched off by errors {lost} times since it came up", _WIRES)

@@ -164,7 +164,7 @@ def _open_line(device: Path, baud: str) -> int:
     """Open a serial line for reading and writing."""
     speed = getattr(termios, f"B{baud}", None)
     if speed is None:
-        raise ValueError(f"{baud} is not a speed of a serial line")
+        raise ValueError(f"{baud} is not a baud rate of a serial line")
     line = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         tty.setraw(line)

@@ -61,7 +61,7 @@ def folders(computer: Computer, boat: Boat) -> Iterator[Finding]:
             yield bad(path, f"does not exist, but {meaning} there", remedy)
             continue
         if not computer.at(path).is_dir():
-            yield bad(path, "is no folder", f"move it away, then {remedy}")
+            yield bad(path, "is not a folder", f"move it away, then {remedy}")
         elif writable:
             yield ok(path, f"{meaning} there")
         else:
@@ -76,17 +76,19 @@ def parameters(computer: Computer, boat: Boat) -> Iterator[Finding]:
     )
     text = computer.read(path)
     if text is None and computer.is_hidden(path):
-        yield doubt(path, "we may not read it", "start the doctor with sudo")
+        yield doubt(path, "permission denied", "start the doctor with sudo")
     elif text is None:
         yield bad(path, "parameters were never saved: the boat does not arm", confirm)
     elif not is_whole(text):
         earlier = computer.read(f"{path}.previous")
         if earlier is not None and is_whole(earlier):
-            yield doubt(path, "is damaged; the version before it counts", f"check them, {confirm}")
+            yield doubt(
+                path, "is damaged; the boat uses the previous version", f"check them, {confirm}"
+            )
         else:
             yield bad(path, "is damaged: the boat does not arm", confirm)
     else:
-        yield ok(path, "is whole")
+        yield ok(path, "is intact")
 
 
 def signing_key(computer: Computer, boat: Boat) -> Iterator[Finding]:
@@ -102,7 +104,7 @@ def signing_key(computer: Computer, boat: Boat) -> Iterator[Finding]:
         status = computer.at(path).stat()
         mode, readable = status.st_mode, computer.may(path, READ)
     except PermissionError:
-        yield doubt(path, "we may not look at it", "start the doctor with sudo")
+        yield doubt(path, "permission denied", "start the doctor with sudo")
         return
     except OSError:
         make = f"head -c 32 /dev/urandom | sudo tee {path} >/dev/null && {own}"

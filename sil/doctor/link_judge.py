@@ -11,7 +11,7 @@ _PLACES = ("LOCAL_POSITION_NED", "GLOBAL_POSITION_INT")
 _LEAST_HZ = 9.0  # least rate of a unit that is set to 10 Hz
 _LATE_S = 0.2
 _DAMAGED = 0.05
-_UNIT = "its cable and speed in baud; its MAVLink output must be on (firmware/docs/AUTOPILOT.md)"
+_UNIT = "check its cable and baud rate; its MAVLink output must be on (firmware/docs/AUTOPILOT.md)"
 
 
 def judge_links(boat: Boat, heard: Sequence[tuple[Link, Heard]]) -> Iterator[Finding]:
@@ -41,8 +41,8 @@ def _noise(link: Link, heard: Heard) -> Iterator[Finding]:
         yield doubt(link.address, "nothing is heard", "check the power and address of the sender")
     elif heard.damaged > _DAMAGED * heard.bytes:
         share = 100.0 * heard.damaged / heard.bytes
-        remedy = "check the speed in baud at both ends, the cable, and that nobody else reads it"
-        yield bad(link.address, f"{share:.0f} % of the received bytes are no MAVLink", remedy)
+        remedy = "check the baud rate at both ends, the cable, and that no other program reads it"
+        yield bad(link.address, f"{share:.0f} % of the received bytes are not MAVLink", remedy)
     else:
         systems = sorted({sender[0] for sender in heard.counts})
         yield ok(link.address, f"systems heard: {', '.join(map(str, systems))}")
@@ -73,7 +73,7 @@ def _namesake(boat: Boat, heard: Sequence[tuple[Link, Heard]]) -> Iterator[Findi
             yield bad(
                 link.address,
                 f"another boat has this boat's system id {own[0]}",
-                "give each its own MAV_SYSID; with an ArduPilot as navigation unit MAV_IDENTITY 1",
+                "give each its own MAV_SYSID; with ArduPilot as navigation unit, MAV_IDENTITY 1",
             )
 
 
@@ -116,7 +116,9 @@ def _unit(boat: Boat, heard: Sequence[tuple[Link, Heard]], seconds: float) -> It
     if late_s is None and boat.parameters.get("NAV_LAG_S", -1) < 0:
         remedy = "set NAV_LAG_S, or turn the boat in MANUAL until the delay is measured"
         yield doubt(
-            link.address, "the navigation unit answers no TIMESYNC: its delay is unknown", remedy
+            link.address,
+            "the navigation unit does not answer TIMESYNC: its delay is unknown",
+            remedy,
         )
     elif late_s is not None:
         yield latency(link.address, "navigation unit", late_s)
@@ -126,6 +128,9 @@ def latency(where: str, who: str, late_s: float) -> Finding:
     """Finding about the latency of messages of `who`."""
     told = f"{who}: a message takes {1000 * late_s:.0f} ms"
     if late_s > _LATE_S:
-        remedy = "a faster link, fewer messages on it, or less between: routers, USB hubs, radios"
+        remedy = (
+            "use a faster link, send fewer messages on it, or remove routers, USB hubs and radios "
+            "on the way"
+        )
         return doubt(where, told, remedy)
     return ok(where, told)

@@ -49,11 +49,11 @@ def _clock(computer: Computer, now_s: float) -> Iterator[Finding]:
     elif not any(computer.at(path).exists() for path in _SYNCHRONISED):
         yield doubt(
             "clock",
-            f"nothing sets it by the network; it says {told} UTC",
-            "sudo timedatectl set-ntp true; without a network its drift shows in the logs only",
+            f"is not synchronised over the network: {told} UTC",
+            "sudo timedatectl set-ntp true; without a network its drift affects only the logs",
         )
     else:
-        yield ok("clock", f"is set by the network: {told} UTC")
+        yield ok("clock", f"is synchronised over the network: {told} UTC")
 
 
 def _disk(computer: Computer, folder: str) -> Iterator[Finding]:
@@ -76,7 +76,7 @@ def _memory(computer: Computer) -> Iterator[Finding]:
             free_mb = int(line.split()[1]) / 1e3
             told = f"{free_mb:,.0f} MB are available"
             if free_mb < _LEAST_MEMORY_MB:
-                remedy = "`ps aux --sort=-rss | head` shows who uses it; stop what no boat needs"
+                remedy = "`ps aux --sort=-rss | head` shows who uses it; stop what is not needed"
                 yield doubt("memory", told, remedy)
             else:
                 yield ok("memory", told)
@@ -113,14 +113,17 @@ def _supply(computer: Computer) -> Iterator[Finding]:
     if text is None:
         return
     bits = int(text, 16)
-    remedy = "a supply of 5.1 V and 3 A, with short thick wires, that holds while the motors start"
+    remedy = (
+        "use a supply of 5.1 V and 3 A, with short thick wires, whose voltage holds while the "
+        "motors start"
+    )
     if bits & _NOW:
-        yield bad("supply", "the voltage is too low, or the processor slowed down, now", remedy)
+        yield bad("supply", "the voltage is too low or the processor is throttled now", remedy)
     elif bits & _EARLIER:
         yield doubt(
             "supply",
-            "the voltage was too low, or the processor slowed down, since the start",
+            "the voltage was too low or the processor was throttled since boot",
             remedy,
         )
     else:
-        yield ok("supply", "no low voltage since the start")
+        yield ok("supply", "no low voltage since boot")

@@ -29,7 +29,7 @@ def links(computer: Computer, boat: Boat, seconds: float) -> Iterator[Finding]:
             yield from _ask(boat, door.held[0], seconds, key)
         elif running:
             remedy = 'add "udpin:127.0.0.1:14550,signing=off" to mavlink in the configuration file'
-            yield doubt("flotillad", "runs, but no link of it accepts requests", remedy)
+            yield doubt("flotillad", "runs, but none of its links accepts requests", remedy)
         elif door.posts:
             listen(door.posts, seconds, key)
             heard = [(post.link, post.heard) for post in door.posts]
@@ -72,7 +72,7 @@ class _Door:
     def _refused(self, link: Link, error: OSError | ValueError) -> Iterator[Finding]:
         if isinstance(error, PermissionError):
             self.deaf = True
-            yield doubt(link.address, "we may not listen there", "start the doctor with sudo")
+            yield doubt(link.address, "permission to listen denied", "start the doctor with sudo")
         elif isinstance(error, ValueError):
             yield bad(link.address, str(error), "correct it in the configuration file")
         elif error.errno == errno.EADDRINUSE:
@@ -95,7 +95,7 @@ def _line_trouble(computer: Computer, link: Link) -> Finding | None:
         if computer.may(device, READ | WRITE):
             return None
     except OSError:
-        remedy = "check its cable; `ls /dev/serial/by-id /dev/tty*` lists the names that there are"
+        remedy = "check its cable; `ls /dev/serial/by-id /dev/tty*` lists the existing devices"
         return bad(link.address, "there is no such device", remedy)
     user = computer.user
     remedy = f"sudo usermod -aG dialout {user} && sudo systemctl restart flotillad"
@@ -123,7 +123,9 @@ def _ask(boat: Boat, link: Link, seconds: float, key: bytes | None) -> Iterator[
     heard = post.heard
     beat = heard.last.get((boat.system, "HEARTBEAT"))
     if beat is None:
-        remedy = "`sudo ss -ulnp` names the program; `journalctl -u flotillad` has the boat's words"
+        remedy = (
+            "`sudo ss -ulnp` names the program; `journalctl -u flotillad` shows the boat's messages"
+        )
         if link.signing == "required" and key is None:
             remedy = "start the doctor with sudo: it must read the signing key"
         what = f"a program has this port, but no boat {boat.system} answers there"

@@ -59,9 +59,9 @@ def discover(station: Station, wish: Wish) -> list[int]:
 
 def _nobody(station: Station) -> str:
     if station.refused:
-        return f"no boat is heard that signs with this key; {station.refused} messages refused"
+        return f"no boat signs with this key: {station.refused} messages refused; check --key"
     others = sorted(station.fleet.systems)
-    heard = f"; systems {', '.join(map(str, others))} are no boats" if others else ""
+    heard = f"; heard, but not boats: {', '.join(map(str, others))}" if others else ""
     return f"no boat is heard: check the boats' power, the address and the radio{heard}"
 
 
@@ -99,11 +99,11 @@ def _to_leader(order: Order, done: str) -> Callable[..., int]:
 
 def _lead(station: Station, wish: Wish, order: Order, done: str, console: Console) -> int:
     if len(wish.boats) > 1:
-        raise ValueError(f"{wish.action} commands one boat, which leads: name one of them")
+        raise ValueError(f"{wish.action} commands only the leader: name one boat")
     boat = wish.boats[0] if wish.boats else leading_boat(station)
     status = _report(station, carry_out(station, order, [boat]), done, console)
     if status == 0:
-        console.print(f"boat {boat} leads; the others follow it and got no order")
+        console.print(f"boat {boat} leads; the others follow it and received no command")
     return status
 
 
@@ -113,7 +113,7 @@ def _follow(station: Station, wish: Wish, boats: Sequence[int], console: Console
     answers = carry_out(station, long(mode_request(FORMATION)), followers)
     vessel = None if top is None else station.fleet.systems.get(top)
     if vessel is not None and vessel.kind == "boat" and vessel.state not in fleet_status.LEADING:
-        console.print(f"boat {top} does not lead yet: auto, go or loiter")
+        console.print(f"boat {top} does not lead yet: start it with auto, go or loiter")
     return _report(station, answers, "in FORMATION", console)
 
 
@@ -133,7 +133,7 @@ def place_of(station: Station, boat: int, way_m: tuple[float, float]) -> tuple[f
     origin, vessel = station.fleet.origin, told.get(boat)
     lost = vessel is None or vessel["x_m"] is None or vessel["place_age_s"] >= STALE_S
     if origin is None or vessel is None or lost:
-        raise ValueError(f"boat {boat} does not tell where it is")
+        raise ValueError(f"boat {boat} reports no recent position")
     frame = LocalFrame(*origin[:2], 0.001 * origin[2])
     place = frame.geodetic(vessel["x_m"] + way_m[0], vessel["y_m"] + way_m[1], 0.0)
     return 1e-7 * place.latitude, 1e-7 * place.longitude

@@ -136,9 +136,9 @@ def _is_well(row: Row, top: int | None) -> bool:
 def _trouble(row: Row) -> str:
     if row.state == "FORMATION":
         if row.in_slot is None:
-            return "does not tell whether it is in its slot"
+            return "does not report whether it is in its slot"
         return "closes up" + ("" if row.off_m is None else f", {row.off_m:.1f} m off")
-    return f"is in {row.state}" if row.state else "does not tell its state"
+    return f"is in {row.state}" if row.state else "does not report its state"
 
 
 def _dash(value: object, form: str) -> str:

@@ -188,11 +188,11 @@ class FleetVehicle:
         """Warn of messages with the vehicle's id among the boats; ValueError if a boat has it."""
         own, echoed = self._mav.srcSystem, self._station.echoed
         if now_s < DISCOVERY_S and echoed - _SAID:
-            raise ValueError(f"system id {own} is taken by a vessel: give the fleet another")
+            raise ValueError(f"a vessel already has system id {own}: choose another with --as")
         if echoed and not self._has_warned:
             self._has_warned = True
             which = f"messages with system id {own} among the boats are ignored"
-            self._text(f"{which}: if a boat has it, give the fleet another", warns=True)
+            self._text(f"{which}: if a boat has it, choose another with --as", warns=True)
 
     def _take(self, message: mavlink.MAVLink_message) -> None:
         kind, own = message.get_type(), self._mav.srcSystem

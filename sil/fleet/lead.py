@@ -48,11 +48,13 @@ def leading_boat(station: Station) -> int:
     """The boat that receives commands for the whole fleet; ValueError if there is none."""
     told = leaders(station)
     if len(told) > 1:
-        raise ValueError(f"{listed(told)} lead: name the one that is meant, --boats {told[0]}")
+        raise ValueError(f"{listed(told)} lead: choose one with --boats {told[0]}")
     top = root(station)
     if top is None or top not in station.boats():
-        whom = "nobody knows who leads" if top is None else f"vessel {top} leads, which is no boat"
-        raise ValueError(f"{whom}: name the boat that is to lead, --boats N")
+        whom = (
+            "the leader is unknown" if top is None else f"vessel {top} leads, which is not a boat"
+        )
+        raise ValueError(f"{whom}: choose the boat that is to lead with --boats N")
     return top
 
 

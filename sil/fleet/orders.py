@@ -20,7 +20,7 @@ _WHY = ("PreArm: ", "Refused: ")
 _FAULTS = {
     mavlink.MAV_RESULT_TEMPORARILY_REJECTED: "refused",
     mavlink.MAV_RESULT_DENIED: "denied",
-    mavlink.MAV_RESULT_UNSUPPORTED: "it does not know that command",
+    mavlink.MAV_RESULT_UNSUPPORTED: "command not supported",
     mavlink.MAV_RESULT_FAILED: "failed",
 }
 _ACCEPTED: int = mavlink.MAV_RESULT_ACCEPTED
@@ -162,15 +162,17 @@ def tell(answer: Answer, held: Iterable[str], signs: bool) -> str:
     `held`: what keeps it from sailing; `signs`: it signs, and the station has no key.
     """
     if answer.only_listed:
-        return "not heard, told only by the table"
+        return "not heard, known only from the fleet table"
     if answer.result is None:
-        remedy = ": it signs its messages, give --key FILE" if signs else ""
+        remedy = ": it signs its messages, use --key FILE" if signs else ""
         return f"no answer{remedy}"
     fault = _FAULTS.get(answer.result, f"result {answer.result}")
     reasons = [text.partition(": ")[2] for text in answer.said if text.startswith(_WHY)]
     reasons = reasons or ["; ".join(held)]
     if answer.result == mavlink.MAV_RESULT_DENIED and not any(reasons):
-        reasons = ["a boat with MAV_GCS_SYSID obeys that system id alone (--station)"]
+        reasons = [
+            "a boat whose MAV_GCS_SYSID is set obeys only that system id: use it with --station"
+        ]
     return ": ".join(filter(None, [fault, "; ".join(dict.fromkeys(reasons))]))
 
 

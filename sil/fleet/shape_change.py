@@ -57,7 +57,7 @@ def change(
     """Bring boats, by rank, into a shape. ValueError, with nothing sent, if it is impossible."""
     places = shape_places(shape, len(boats), spacing_m)
     if unheard := [boat for boat in boats if not station.is_heard(boat)]:
-        raise ValueError(f"boat {unheard[0]} is not heard: name the others, --boats")
+        raise ValueError(f"boat {unheard[0]} is not heard: name the others with --boats")
     lengths_m, guard_m = _sizes(station, boats)
     longest_m = max(lengths_m)
     least_m, why = _SLOTS_GUARDS * guard_m, f"{_SLOTS_GUARDS:g} times FS_SEP_M"
@@ -112,9 +112,9 @@ def change(
     station.run(_STOPS_S)
     how = ""
     if under_way:
-        how = "; they share out the places and move there together"
+        how = "; the boats assign the places and move there together"
     elif present is None:
-        how = "; some do not tell where they are: places by rank"
+        how = "; some boats report no position: places by rank"
     words = f"table {epoch} is in force with {len(boats) - len(late)} of {len(boats)} boats{how}"
     missing_ones = {boat: _why(station, boat, epoch, since_s) for boat in late}
     stops = {each.system: each.text for each in station.texts if _stops(each, boats, since_s)}
@@ -145,7 +145,7 @@ def _sizes(station: Station, boats: Sequence[int]) -> tuple[list[float], float]:
             station.say(ask, boat)
         station.run(_RETRY_S, lambda: not missing())
     for boat, name in missing():
-        raise ValueError(f"boat {boat} does not tell its {name}: a shape needs it")
+        raise ValueError(f"boat {boat} does not report its {name}, which a shape needs")
     lengths_m = [station.parameters[boat, "BOAT_LEN"] for boat in boats]
     guards_m = [station.parameters[boat, "FS_SEP_M"] for boat in boats]
     return lengths_m, max(
@@ -164,5 +164,5 @@ def _why(station: Station, boat: int, epoch: int, since_s: float) -> str:
     if refusals:
         return refusals[-1]
     if beacon is not None and beacon.epoch >= epoch:
-        return f"has another table, {beacon.epoch}, which somebody sent meanwhile"
-    return f"does not tell of table {epoch}; does it obey this station (MAV_GCS_SYSID)?"
+        return f"has table {beacon.epoch} instead, which another station sent meanwhile"
+    return f"does not confirm table {epoch}: check that it obeys this station (MAV_GCS_SYSID)"

@@ -50,7 +50,7 @@ def _read(path: Path, boats: int) -> list[Place]:
         raise ValueError(f"{path}: {error}") from None
     rows = document.get("places_m")
     if not isinstance(rows, list) or document.keys() != {"places_m"}:
-        raise ValueError(f"{path}: must be places_m = [[ahead, starboard], …], and nothing else")
+        raise ValueError(f"{path}: must contain only places_m = [[ahead, starboard], …]")
     for row in rows:
         pair = isinstance(row, list) and len(row) == 2
         if not pair or not all(type(x) in (int, float) and math.isfinite(x) for x in row):
@@ -72,7 +72,7 @@ def check(places: Sequence[Place], boats: Sequence[int], least_m: float, why: st
     nearest_m, i, j = min(apart, default=(math.inf, 0, 0))
     if nearest_m < least_m:
         pair = f"places {i + 1} and {j + 1}"
-        raise ValueError(f"{pair} are {nearest_m:.2f} m apart, at least {least_m:.2f} m: {why}")
+        raise ValueError(f"{pair} are {nearest_m:.2f} m apart, the least is {least_m:.2f} m: {why}")
 
 
 def assigned(places: Sequence[Place], present: Sequence[Place]) -> list[Place]:
@@ -139,8 +139,8 @@ def warnings_of(told: Mapping[int, int]) -> list[str]:
     """A sentence for each boat whose epoch is doubtful."""
     most = newest_epoch(told)
     return [
-        f"boat {boat} alone tells of table {epoch}, the others of {most} at most: not counted; "
-        f"restart boat {boat} if it goes on"
+        f"boat {boat} alone reports table {epoch}, the others at most {most}: ignored; "
+        f"restart boat {boat} if this persists"
         for boat, epoch in sorted(doubtful_epochs(told).items())
     ]
 

@@ -94,8 +94,8 @@ def problem_of(logs: Sequence[VoyageLog], body: Body) -> Problem:
     windows = cut(logs)
     if len(windows) < _LEAST_WINDOWS:
         raise BadLogError(
-            f"{', '.join(log.name for log in logs)}: the boat moves in {len(windows)} stretches "
-            f"of {WINDOW_S:.0f} s; {_LEAST_WINDOWS} are the least. Sail longer."
+            f"{', '.join(log.name for log in logs)}: the boat moves in only {len(windows)} "
+            f"stretches of {WINDOW_S:.0f} s; at least {_LEAST_WINDOWS} are needed. Sail longer."
         )
     terms = tuple(term.of_length(body.length_m) for term in TERMS)
     return Problem(windows, body, terms, np.ones(len(terms), dtype=bool))

@@ -61,15 +61,15 @@ def holds(found: Identification) -> bool:
 def sentence(found: Identification) -> str:
     """The verdict."""
     if found.wiring.swapped:
-        return f"Not to be used as it is: {found.wiring.sentence()}"
+        return f"Not usable as it is: {found.wiring.sentence()}"
     scored = [s for s in found.held_out if s is not None]
     if not scored:
         return "Not judged: no half of the logs has 10 s in which the propellers work"
     word = "Good" if holds(found) else "Doubtful"
     u, v, r = (min(getattr(s, name) for s in scored) for name in "uvr")
     return (
-        f"{word}: 10 s of logs that it was not fitted to are predicted with R² {u:.2f} (speed), "
-        f"{r:.2f} (yaw rate), {v:.2f} (sway), {max(s.median_m for s in scored):.1f} m off"
+        f"{word}: predictions over 10 s of logs not used for the fit have R² {u:.2f} (speed), "
+        f"{r:.2f} (yaw rate), {v:.2f} (sway) and end {max(s.median_m for s in scored):.1f} m off"
     )
 
 

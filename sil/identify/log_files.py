@@ -25,7 +25,7 @@ def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
             reader = read_telemetry.read_tlog if path.suffix == ".tlog" else read_telemetry.read_bin
             log = reader(path)
         else:
-            raise BadLogError(f"{path}: is no log of a kind known here: .csv, .tlog, .bin")
+            raise BadLogError(f"{path}: unknown kind of log; supported are .csv, .tlog, .bin")
         logs.append(log)
         notes += [note for note in told if note not in notes]
     return logs, notes
@@ -37,5 +37,5 @@ def _files(given: Path) -> list[Path]:
     folder = given / "log" if (given / "log").is_dir() else given
     found = sorted(folder.glob("*.tlog"))
     if not found:
-        raise BadLogError(f"{given}: has no telemetry log (*.tlog)")
+        raise BadLogError(f"{given}: contains no telemetry log (*.tlog)")
     return [path for path in found if facts(path).owner is not None] or found

@@ -47,7 +47,7 @@ class Wiring:
         if sides:
             told.append(
                 f"the propeller that the log calls {' and '.join(sides)} pushes astern when it is "
-                "told to push ahead"
+                "commanded ahead"
             )
         if self.swapped:
             told.append("port and starboard are swapped: exchange the two motor controllers' ids")

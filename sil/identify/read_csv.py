@@ -44,7 +44,7 @@ def _columns(path: Path) -> dict[str, Array]:
         names = [name.strip().lower() for name in file.readline().split(",")]
         if "" in names or len(set(names)) < len(names) or not names[0][:1].isalpha():
             raise BadLogError(
-                f"{path}: its first line does not name the columns. Write names such as "
+                f"{path}: the first line does not name the columns. Write names such as "
                 "t_s, north_m, east_m, yaw_deg, surge_mps, sway_mps, yaw_rate_radps, port, stbd."
             )
         try:
@@ -53,7 +53,10 @@ def _columns(path: Path) -> dict[str, Array]:
         except ValueError as error:
             raise BadLogError(f"{path}: {str(error).splitlines()[-1].strip()}") from None
     if table.shape[0] < 2 or table.shape[1] != len(names):
-        raise BadLogError(f"{path}: {table.shape[0]} rows of {table.shape[1]} values")
+        raise BadLogError(
+            f"{path}: {table.shape[0]} rows of {table.shape[1]} values; "
+            f"at least 2 rows of {len(names)} values are needed"
+        )
     columns = dict(zip(names, table.T, strict=True))
     for other, name in _ALIASES:
         columns = {key.replace(other, name): column for key, column in columns.items()}
@@ -73,7 +76,7 @@ def _time(path: Path, columns: dict[str, Array]) -> Array:
         if name in columns:
             t = columns[name] * scale
             if not (np.all(np.isfinite(t)) and np.all(np.diff(t) > 0.0)):
-                raise BadLogError(f"{path}: {name} is not a time that always grows")
+                raise BadLogError(f"{path}: {name} does not increase from row to row")
             since: Array = t - t[0]
             return since
     _need(path, columns, "t_s", "t_ms", "t_us")
@@ -98,8 +101,8 @@ def _heading(path: Path, columns: dict[str, Array]) -> Array:
         angle = _need(path, columns, "yaw_rad", "yaw_deg")
         if np.nanmax(np.abs(angle)) > _LARGEST_HEADING and np.nanmax(np.abs(np.diff(angle))) > 7.0:
             raise BadLogError(
-                f"{path}: yaw_rad has {np.nanmax(np.abs(angle)):.0f}; that looks like degrees. "
-                "Name the column yaw_deg."
+                f"{path}: yaw_rad reaches {np.nanmax(np.abs(angle)):.0f}, which "
+                "looks like degrees. If so, name the column yaw_deg."
             )
     known = np.isfinite(angle)
     out: Array = np.full_like(angle, np.nan)

@@ -33,8 +33,9 @@ class Series:
         missing = [name for name, rows in wanted.items() if len(rows) < 2]
         if missing:
             raise BadLogError(
-                f"{self.name}: has no {', no '.join(missing)}. Needed are ODOMETRY, or ATTITUDE "
-                "and LOCAL_POSITION_NED, and SERVO_OUTPUT_RAW or flotillad's CAN log beside it."
+                f"{self.name}: contains no {', no '.join(missing)}. Needed are ODOMETRY, or "
+                "ATTITUDE and LOCAL_POSITION_NED, and SERVO_OUTPUT_RAW or flotillad's CAN log "
+                "beside it."
             )
         position, heading, velocity, rate, commands = (
             _in_order(np.array(rows, dtype=float)) for rows in wanted.values()

@@ -52,8 +52,8 @@ def sampled(name: str, motion: list[Channel], commands: Channel) -> VoyageLog:
     count = int((end - begin) / SAMPLE_S + 1e-6)
     if count < 100:
         raise BadLogError(
-            f"{name}: motion and commands are both there for {max(end - begin, 0.0):.0f} s only; "
-            "an identification needs minutes. Log both at once."
+            f"{name}: motion and commands overlap for only {max(end - begin, 0.0):.0f} s; "
+            "an identification needs minutes. Log both at the same time."
         )
     t = begin + np.arange(count) * SAMPLE_S
     columns = [_at(c, t) for c in motion]

@@ -41,7 +41,7 @@ def convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None
 def _place(out: Path) -> Path:
     """Return `out`; ValueError if its folder is missing, before hours of logs are read in vain."""
     if not out.parent.is_dir():
-        raise ValueError(f"{out.parent}: there is no such folder")
+        raise ValueError(f"{out.parent}: no such folder")
     return out
 
 

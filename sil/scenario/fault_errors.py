@@ -29,7 +29,7 @@ def fault_contradictions(
     for (one, first), (other, second) in combinations(enumerate(faults, start=1), 2):
         if _meet(first, second):
             key = ("fault", str(other), "at_s")
-            same = f"fault {one} is the same one at the same time"
+            same = f"overlaps fault {one}, of the same kind and agent"
             yield key, f'"{".".join(key)}" = {second.at_s}: {same}'
 
 
@@ -56,16 +56,19 @@ def _problems(fault: Fault, boats: int, noise: SensorNoise) -> Iterator[tuple[st
     if fault.agent == 0 and not known.leaders:
         yield "agent", f"the virtual leader cannot have {kind}"
     if fault.esc != "both" and not is_escs(fault):
-        yield "esc", f"{kind} is none of ESCs"
+        yield "esc", f"{kind} is not a fault of ESCs"
     if not known.unit:
         if fault.value:
-            yield "value", f"{kind} has none"
+            yield "value", f"{kind} takes no value"
     elif "value" not in fault.model_fields_set:
         yield "value", f"{kind} needs a value ({known.unit})"
     elif not known.least <= fault.value <= known.greatest:
         limits = f"from {known.least:g} to {known.greatest:g}"
-        yield "value", f"{kind} has a value {limits} ({known.unit})"
+        yield "value", f"{kind} takes a value {limits} ({known.unit})"
     if kind == "replay" and not 0.0 < fault.value <= fault.at_s:
-        yield "value", "must be positive, and no more than at_s: what was said so long ago"
+        yield (
+            "value",
+            "must be positive and at most at_s: replay repeats what was sent that long ago",
+        )
     if kind == "own_noisy" and not noise.sigma.any():
         yield "kind", "[navigation] has no noise to multiply"

@@ -53,7 +53,10 @@ def expand(source: Source) -> None:
     if isinstance(leader, dict) and _is_route(leader.get("waypoints")):
         for key in ("eta", "nu", "input"):
             if ("leader", key) in source.lines or ("leader", key, "1") in source.lines:
-                raise source.error(("leader", key), f'"leader.{key}": "leader.waypoints" says it')
+                raise source.error(
+                    ("leader", key),
+                    f'"leader.{key}": "leader.waypoints" determines it, leave one of them out',
+                )
             leader.pop(key, None)
         first, second = leader["waypoints"][:2]
         leader["eta"] = [*map(float, first), math.atan2(second[1] - first[1], second[0] - first[0])]
@@ -64,7 +67,9 @@ def expand(source: Source) -> None:
     except ValidationError as error:
         raise source.errors(error, _Shaped) from None
     if ("boat",) in source.lines:
-        raise source.error(("boat",), '"boat": [formation] makes the boats; [boat.2] changes one')
+        raise source.error(
+            ("boat",), '"boat": [formation] creates the boats; use [boat.2] to change one'
+        )
     own = document.get("boat")
     try:
         boats = boats_of(shaped, leader if isinstance(leader, dict) else {})
@@ -72,7 +77,9 @@ def expand(source: Source) -> None:
         raise source.error(("formation",), f'"formation": {error}') from None
     for number, changes in own.items() if isinstance(own, dict) else ():
         if not number.isdecimal() or not 1 <= int(number) <= len(boats):
-            raise source.error(("boat", number), f'"boat.{number}": from 1 to {len(boats)}')
+            raise source.error(
+                ("boat", number), f'"boat.{number}": the number must be from 1 to {len(boats)}'
+            )
         for path, value in leaves(changes):
             lay(boats[int(number) - 1], path, value)
     document["boat"] = boats
@@ -135,7 +142,7 @@ def _diamond(boats: int, spacing_m: float) -> list[Place]:
     side = math.isqrt(boats)
     if side * side != boats:
         near = f"{side * side} or {(side + 1) ** 2}"
-        raise ValueError(f"a diamond has 1, 4, 9, 16 … boats: {boats} is none of them, {near} are")
+        raise ValueError(f"a diamond has 1, 4, 9, 16 … boats: use {near} instead of {boats}")
     step = spacing_m * math.sqrt(0.5)
     return [(step * (side - 1 - i - j), step * (i - j)) for i in range(side) for j in range(side)]
 

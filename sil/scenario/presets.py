@@ -70,7 +70,7 @@ def path_of(name: str) -> Path:
     if name.endswith(".toml") and Path(name).is_file():
         return Path(name)
     if name.endswith(".toml"):
-        raise ScenarioError(f'"{name}": there is no such file, seen from {Path.cwd()}')
+        raise ScenarioError(f'"{name}": no such file, relative to {Path.cwd()}')
     known = names()
     if name not in known:
         near = difflib.get_close_matches(name, known, 1)
@@ -86,7 +86,7 @@ def load(name: str) -> Preset:
     try:
         return Preset.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
     except ValueError as error:
-        raise ScenarioError(f"{path}: is no hull: {error}") from None
+        raise ScenarioError(f"{path}: not a valid hull: {error}") from None
 
 
 def firmware(preset: Preset) -> dict[str, float]:

@@ -220,7 +220,9 @@ def _read(path: Path) -> toml_errors.Source:
         except (ScenarioError, TypeError) as error:
             raise source.error(("base",), f'"base": {error}') from None
         if "base" in base.document:
-            raise source.error(("base",), f'"base" = "{name}": that scenario has a base itself')
+            raise source.error(
+                ("base",), f'"base" = "{name}": that scenario has a base itself, name one without'
+            )
         hulls.clear_base(source.document, base.document)
         source.lay_over(base)
     return source
@@ -270,7 +272,7 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
     for index, vessel in enumerate(scenario.vessels()):
         if vessel.m23**2 >= vessel.m22 * vessel.m33:
             key = ("boat", str(index), "vessel", "m23") if index else ("vessel", "m23")
-            yield key, f'"{".".join(key)}" = {vessel.m23}: its square must be under m22 m33'
+            yield key, f'"{".".join(key)}" = {vessel.m23}: its square must be less than m22 × m33'
     yield from _plan_contradictions(scenario)
     yield from _route_contradictions(scenario)
     starts = [segment.from_s for segment in scenario.leader.input]
@@ -286,7 +288,7 @@ def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
     if not points:
         return
     if len(points) == 1:
-        yield ("leader", "waypoints"), '"leader.waypoints": must be two or more'
+        yield ("leader", "waypoints"), '"leader.waypoints": must have at least two points'
         return
     for number, (a, b) in enumerate(pairwise(points), start=2):
         if math.dist(a, b) < _SHORTEST_LEG_M:
@@ -342,7 +344,7 @@ def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
         if len(scenario.boat) > 1:
             yield (
                 ("leader", "voyage_room_m"),
-                '"leader.voyage_room_m": a boat measures its hull alone',
+                '"leader.voyage_room_m": needs a single [[boat]], which measures its hull alone',
             )
     if leader.boat is None:
         return
@@ -350,11 +352,12 @@ def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
         yield ("leader", "boat"), '"leader.boat": needs "leader.waypoints", its plan'
     if leader.navigation.model_fields_set:
         key = ("leader", "navigation")
-        yield key, '"leader.navigation": nobody sends for a boat; [boat.1.navigation] is its unit'
+        yield key, '"leader.navigation": boat 1 leads, set [boat.1.navigation] instead'
     own = scenario.boat[leader.boat - 1]
     if any(own.offset_m):
         key = ("boat", str(leader.boat), "offset_m")
-        yield key, f'"{".".join(key)}" = {list(own.offset_m)}: [0, 0], it sails the plan itself'
+        why = "must be [0, 0], as this boat sails the plan itself"
+        yield key, f'"{".".join(key)}" = {list(own.offset_m)}: {why}'
     for number, fault in enumerate(scenario.fault, start=1):
         if fault.agent == 0:
             key = ("fault", str(number), "agent")
@@ -371,7 +374,7 @@ def _unit_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
         path = ".".join(place)
         for name in ("rate_hz", "attitude_rate_hz"):
             if getattr(unit, name) > scenario.rate_hz:
-                ticks = f"the world ticks at rate_hz = {scenario.rate_hz}"
+                ticks = f"must be at most rate_hz = {scenario.rate_hz}, that of the world"
                 yield (*place, name), f'"{path}.{name}" = {getattr(unit, name)}: {ticks}'
         if unit.attitude_rate_hz and unit.message not in ("local", "global"):
             key = f'"{path}.attitude_rate_hz" = {unit.attitude_rate_hz}'

@@ -29,7 +29,7 @@ _WORDS = {
 }
 # keys of the radio, which all boats share, but which authors look for in a boat's own table
 _OF_THE_RADIO = {"link", "radio", "loss", "delay_s"}
-_ONE_RADIO = 'of one boat: a [[fault]] of kind "radio_loss" or "radio_late"'
+_ONE_RADIO = 'for one boat, use a [[fault]] of kind "radio_loss" or "radio_late"'
 
 
 class ScenarioError(ValueError):
@@ -91,7 +91,7 @@ class Source:
             word = value.strip()
             parsed = {"value": word} if _WORD.fullmatch(word) else {}
         if not all(path) or parsed.keys() != {"value"}:
-            wanted = """KEY=VALUE, the value a word or as TOML has it: 0.1, [0, 0], '"a text"'"""
+            wanted = """KEY=VALUE, where the value is a word or TOML: 0.1, [0, 0], '"a text"'"""
             raise ScenarioError(f'override "{text}": must be {wanted}')
         try:
             lay(self.document, path, parsed["value"])
@@ -189,7 +189,7 @@ def _problem(detail: ErrorDetails, path: KeyPath, model: type[BaseModel]) -> str
             hint = _ONE_RADIO
         return f'unknown key "{key}" ({hint})'
     if kind == "string_pattern_mismatch":
-        return f'"{key}": a parameter\'s name is up to 16 of A-Z, 0-9 and _'
+        return f'"{key}": a parameter\'s name has up to 16 characters: A-Z, 0-9 and _'
     given = json.dumps(detail["input"], default=str)
     if kind == "too_long" or (kind == "missing" and isinstance(loc[-1], int)):
         array = loc if kind == "too_long" else loc[:-1]

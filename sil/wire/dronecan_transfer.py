@@ -62,7 +62,7 @@ class FrameId:
             can_id = self.type_id << 16 | request << 15 | self.destination << 8 | 0x80
         can_id |= self.priority << 24 | self.source
         if FrameId.unpack(can_id) != self:
-            raise ValueError(f"no CAN identifier holds {self}")
+            raise ValueError(f"{self} does not fit into a CAN identifier")
         return can_id
 
     @staticmethod

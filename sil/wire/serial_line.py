@@ -14,7 +14,9 @@ def line_of(address: str) -> tuple[Path, int]:
     device, _, baud = address.partition(":")
     speed = getattr(termios, f"B{baud or _BAUD}", None)
     if speed is None:
-        raise ValueError(f"{baud} is not a speed of a serial line; use 57600 or 115200, say")
+        raise ValueError(
+            f"{baud} is not a baud rate of a serial line; use 57600 or 115200, for example"
+        )
     return Path(device), speed
 
 

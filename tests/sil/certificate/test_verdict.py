@@ -41,7 +41,7 @@ def test_boats_that_keep_their_slots_are_certified(straight: Certificate) -> Non
     ("changes", "said"),
     [
         ({"decay": -0.2}, "boats 1–4: small errors grow by 0.2 1/s"),
-        ({"decay": 0.0}, "boats 1–4: some error stays for ever"),
+        ({"decay": 0.0}, "boats 1–4: some error never decays"),
         ({"steady": False, "error": [3.0, 4.0, 0.0]}, "no steady regime, 5 m off its slot"),
         ({"steady": False, "limited": True}, "a propeller at its limit"),
     ],
@@ -56,7 +56,7 @@ def test_what_is_wrong_is_said(straight: Certificate, changes: dict[str, Any], s
 def test_boat_that_stays_beside_its_slot_is_certified_and_told(straight: Certificate) -> None:
     beside = with_loop(straight, error=[0.3, 0.4, 0.0])
     assert verdict.holds(beside)
-    assert "0.50 m off the slot for ever" in verdict.sentence(beside)
+    assert "0.50 m off the slot permanently" in verdict.sentence(beside)
 
 
 @pytest.mark.parametrize(("look_ahead_m", "said"), [(1.0, "up to 1.5 m"), (0.0, "as they are")])
@@ -76,7 +76,9 @@ def test_propellers_come_before_all_else(straight: Certificate) -> None:
     weak = replace(leg.cases[0].thrust, margin=-0.25, side="stbd", direction="reverse")
     cases = [replace(with_loop(straight, decay=-1.0).legs[0].cases[0], thrust=weak)]
     wrong = replace(straight, legs=[replace(leg, cases=cases)])
-    assert "starboard propeller lacks 25 % reverse" in verdict.sentence(wrong)
+    assert "25 % more reverse thrust than the starboard propeller can give" in verdict.sentence(
+        wrong
+    )
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,7 @@ def test_weak_propellers_are_not_certified(tmp_path: Path) -> None:
     weak = ("--set", "propellers.forward_max_N=1.2", "--param", "THR_FWD_MAX=1.2")
     status, document = certified(tmp_path, "diamond", "--law", "paper", *weak)
     assert status == 1
-    assert "propeller lacks 33 % forward" in document["verdict"]
+    assert "needs 33 % more forward thrust than the" in document["verdict"]
 
 
 def test_straight_leg_is_not_certified_with_the_papers_law(

@@ -37,7 +37,7 @@ def test_a_log_becomes_a_page_parameters_and_a_hull_for_scenarios(tmp_path: Path
     fleet = scenario.load("diamond", [f"hull={out / 'hull.toml'}"], "product")
     assert fleet.vessel.hull.m33 == pytest.approx(HULL.m33, rel=0.1)
     page = (out / "identify.html").read_text(encoding="utf-8")
-    assert "Good: 10 s of logs" in page and "data:image/png" in page
+    assert "Good: predictions over 10 s of logs" in page and "data:image/png" in page
 
 
 def test_swapped_propellers_get_no_parameters(
@@ -46,7 +46,7 @@ def test_swapped_propellers_get_no_parameters(
     out = tmp_path / "out"
     log = written(tmp_path, swapped=True)
     assert main(["identify", str(log), *SIZES, "--out", str(out)]) == 1
-    assert capsys.readouterr().out.lstrip().startswith("Not to be used as it is: port and")
+    assert capsys.readouterr().out.lstrip().startswith("Not usable as it is: port and")
     assert {path.name for path in out.iterdir()} == {
         "identify.html",
         "identify.json",

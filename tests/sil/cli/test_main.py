@@ -28,7 +28,7 @@ COMMANDS = Path(cli.__file__).parent.glob("*_command.py")
         (["run", "nowhere.toml"], "nowhere.toml: No such file"),
         (["run", "diamond", "--set", "link.dely_s=1"], 'did you mean "delay_s"?'),
         (["run", "diamond", "--set", "duration_s=-1"], "greater than 0"),
-        (["run", "diamond", "--set", "navigation.rate_hz=400"], "the world ticks at rate_hz = 100"),
+        (["run", "diamond", "--set", "navigation.rate_hz=400"], "must be at most rate_hz = 100"),
         (["run", "diamond", "--seed", "-1"], "greater than or equal to 0"),
         (["run", "diamond", "--param", "LAW_KX"], "must be NAME=VALUE"),
         (["run", "diamond", "--param", "LAW_KX=9"], "LAW_KX = 9.0 is out of range"),

@@ -131,7 +131,7 @@ def test_an_order_to_the_leader_moves_the_fleet(waters: Waters) -> None:
     assert waters.states == ["LOITER", *["FORMATION"] * 3]
     eta = waters.batch.bodies.eta[waters.agent(1), :2].copy()
     status, words = waters.command(action="go", way_m=(12.0, -5.0))
-    assert status == 0 and "the others follow it and got no order" in words
+    assert status == 0 and "the others follow it and received no command" in words
     assert waters.state(1) == "GUIDED"
     sail(waters, 60.0)
     moved = waters.batch.bodies.eta[waters.agent(1), :2] - eta
@@ -284,7 +284,7 @@ def test_a_boat_that_obeys_one_station_alone_says_so(waters: Waters) -> None:
     sail(waters, 1.0)
     status, words = waters.command(system=250, action="arm")
     assert status == 1
-    assert "boat 2: denied: a boat with MAV_GCS_SYSID obeys that system id alone" in words
+    assert "boat 2: denied: a boat whose MAV_GCS_SYSID is set obeys only that system id" in words
     assert waters.command(action="arm")[0] == 0
     # Anybody may stop it.
     assert waters.command(system=250, action="stop")[0] == 0
@@ -317,13 +317,16 @@ def test_strangers_are_no_boats(waters: Waters) -> None:
 @pytest.mark.parametrize(
     ("wish", "said"),
     [
-        ({"shape": "vee", "spacing_m": 1.5}, "places 1 and 2 are 1.50 m apart, at least 2.16 m"),
+        (
+            {"shape": "vee", "spacing_m": 1.5},
+            "places 1 and 2 are 1.50 m apart, the least is 2.16 m",
+        ),
         ({"shape": "vee"}, "vee: --spacing M is missing"),
         ({"shape": "vee", "spacing_m": math.nan}, "must be greater than 0"),
         ({"shape": "ve", "spacing_m": 4.0}, 'unknown shape "ve"; did you mean "vee"?'),
         ({"shape": "vee", "spacing_m": 400.0}, "the place of boat 4 is over 327 m from boat 1's"),
         ({"shape": "vee", "spacing_m": 4.0, "boats": (1, 2, 9)}, "boat 9 is not heard"),
-        ({"shape": "diamond", "spacing_m": 4.0, "boats": (1, 2, 3)}, "3 is none of them"),
+        ({"shape": "diamond", "spacing_m": 4.0, "boats": (1, 2, 3)}, "use 1 or 4 instead of 3"),
     ],
 )
 def test_what_cannot_be_formed_is_refused(waters: Waters, wish: dict[str, Any], said: str) -> None:
@@ -346,7 +349,7 @@ def test_orders_to_a_leader_nobody_knows_are_refused(waters: Waters) -> None:
     waters.command(action="stop")
     with pytest.raises(ValueError, match=r"vessel 100 leads.*--boats N"):
         waters.command(action="auto")
-    with pytest.raises(ValueError, match="auto commands one boat"):
+    with pytest.raises(ValueError, match="auto commands only the leader"):
         waters.command(action="auto", boats=(1, 2))
 
 

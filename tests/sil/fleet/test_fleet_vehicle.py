@@ -265,7 +265,7 @@ def test_boats_miss_the_ground_station_when_it_falls_silent(served: Served) -> N
 def test_it_takes_no_boats_id() -> None:
     waters = Waters()
     vehicle = FleetVehicle(waters.station(), Ground(), BOATS[1])
-    with pytest.raises(ValueError, match="system id 2 is taken"):
+    with pytest.raises(ValueError, match="already has system id 2"):
         vehicle.serve(3.0)
 
 

@@ -78,9 +78,9 @@ def test_a_boat_that_alone_tells_a_high_epoch_is_named(waters: Waters) -> None:
     waters.wait = flooded
     status, words = waters.command(action="form", shape="line", spacing_m=4.0, boats=BOATS)
     assert status == 1 and "table 2 is in force with 3 of 4 boats" in words
-    assert "boat 2 alone tells of table 65534, the others of 1 at most: not counted" in words
+    assert "boat 2 alone reports table 65534, the others at most 1: ignored" in words
     status, words = waters.command(action="stop")
-    assert status == 0 and "boat 2 alone tells of table 65534" in words
+    assert status == 0 and "boat 2 alone reports table 65534" in words
 
 
 def test_a_stop_wins_over_a_shape_of_the_same_epoch(waters: Waters) -> None:
@@ -120,7 +120,7 @@ def test_a_boat_that_only_a_table_tells_of_is_stopped_and_named(waters: Waters) 
     assert waters.states == ["DISARMED"] * 3 + ["HOLD"]
     assert (status, words.splitlines()) == (
         1,
-        ["3 of 4 stopped and disarmed", "boat 4: not heard, told only by the table"],
+        ["3 of 4 stopped and disarmed", "boat 4: not heard, known only from the fleet table"],
     )
 
 

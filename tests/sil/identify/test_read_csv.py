@@ -91,7 +91,7 @@ NONSENSE: dict[str, tuple[str, Callable[[Any], Any], str]] = {
     "pulses": ("port", lambda c: 1500.0 + 400.0 * c, "pwm_port_us"),
     "newtons": ("stbd", lambda c: 35.0 * c, "thrust in newtons"),
     "fast turns": ("yaw_rate_radps", lambda c: 100.0 * np.degrees(c), "degrees per second"),
-    "time that stands": ("t_s", np.floor, "always grows"),
+    "time that stands": ("t_s", np.floor, "does not increase"),
 }
 
 

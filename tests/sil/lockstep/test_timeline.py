@@ -64,7 +64,7 @@ def test_a_scenario_refuses_a_fault_where_the_firmware_does(kind: str) -> None:
     def contradicts(agent: int, value: float) -> bool:
         line = {"kind": kind, "agent": agent, "at_s": 9.0, "value": value}
         problems = fault_contradictions([Fault.model_validate(line)], 1, SensorNoise())
-        return any(f"{kind} has none" not in problem for _, problem in problems)
+        return any(f"{kind} takes no value" not in problem for _, problem in problems)
 
     for agent, value in ((0, 0.5), (1, 0.5), (1, 2.0)):
         assert contradicts(agent, value) == refused(agent, kind, value), (agent, value)
@@ -183,13 +183,13 @@ MISTAKES = [
     ({"kind": "own_sick"}, "must be 'own_silent', "),
     ({"agent": 3}, '"fault.1.agent" = 3: there are agents 0 to 2'),
     ({"kind": "esc_stuck", "agent": 0}, "the virtual leader cannot have esc_stuck"),
-    ({"esc": "port"}, '"fault.1.esc" = "port": own_silent is none of ESCs'),
-    ({"value": 1.0}, '"fault.1.value" = 1.0: own_silent has none'),
+    ({"esc": "port"}, '"fault.1.esc" = "port": own_silent is not a fault of ESCs'),
+    ({"value": 1.0}, '"fault.1.value" = 1.0: own_silent takes no value'),
     ({"kind": "own_jump"}, "own_jump needs a value"),
-    ({"kind": "radio_loss", "value": 1.5}, "radio_loss has a value from 0 to 1 (share)"),
-    ({"kind": "own_jump", "value": 1e7}, "own_jump has a value from -1e+06 to 1e+06 (m)"),
-    ({"kind": "replay", "value": 3.0}, "no more than at_s"),
-    ({"kind": "own_noisy", "value": -1.0}, "own_noisy has a value from 0 to 1e+06 (factor)"),
+    ({"kind": "radio_loss", "value": 1.5}, "radio_loss takes a value from 0 to 1 (share)"),
+    ({"kind": "own_jump", "value": 1e7}, "own_jump takes a value from -1e+06 to 1e+06 (m)"),
+    ({"kind": "replay", "value": 3.0}, "at most at_s"),
+    ({"kind": "own_noisy", "value": -1.0}, "own_noisy takes a value from 0 to 1e+06 (factor)"),
     ({"for_s": 0.0}, "greater than 0"),
     ({"at_s": -1.0}, "greater than or equal to 0"),
     ({"when_s": 1.0}, 'unknown key "fault.1.when_s"'),
@@ -204,7 +204,7 @@ def test_mistakes_are_told_with_their_key(wrong: dict[str, Any], words: str) -> 
     assert words in str(error.value) and "\n" not in str(error.value)
 
 
-SAME = "fault 1 is the same one at the same time"
+SAME = "overlaps fault 1, of the same kind and agent"
 
 
 @pytest.mark.parametrize(

@@ -294,7 +294,7 @@ def test_a_folder_that_is_not_there_is_told(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["convert", str(log), "--out", str(tmp_path / "nowhere" / "out.mcap")]) == 2
-    assert_told_in_one_line("nowhere: there is no such folder", capsys)
+    assert_told_in_one_line("nowhere: no such folder", capsys)
 
 
 def test_a_boats_folder_of_a_live_run_is_looked_into(log: Path, tmp_path: Path) -> None:

@@ -97,18 +97,26 @@ def test_waypoints_take_the_place_of_the_input_of_a_base(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("was", "now", "said"),
     [
-        ("[20, 0], [20, 20]]", "]", '"leader.waypoints": must be two or more'),
+        ("[20, 0], [20, 20]]", "]", '"leader.waypoints": must have at least two points'),
         ("[20, 0],", "[0.05, 0],", "waypoint 2 is less than 0.1 m from the one before"),
-        ("speed_mps = 0.5", "eta = [0, 0, 0]", '"leader.eta": "leader.waypoints" says it'),
+        (
+            "speed_mps = 0.5",
+            "eta = [0, 0, 0]",
+            '"leader.eta": "leader.waypoints" determines it, leave one of them out',
+        ),
         ('"line"', '"row"', "'diamond', 'circle' or 'grid'"),
-        ('"line"', '"diamond"', "a diamond has 1, 4, 9, 16 … boats: 3 is none of them, 1 or 4 are"),
+        ('"line"', '"diamond"', "a diamond has 1, 4, 9, 16 … boats: use 1 or 4 instead of 3"),
         ("boats = 3", "", 'missing key "formation.boats"'),
         ("spacing_m = 2.0", "spacing_m = 30.0", "the corner at waypoint 2 has a radius of"),
-        ("spacing_m = 2.0", "spacing_m = 2.0\n[boat.4]\nfollows = 0", '"boat.4": from 1 to 3'),
+        (
+            "spacing_m = 2.0",
+            "spacing_m = 2.0\n[boat.4]\nfollows = 0",
+            '"boat.4": the number must be from 1 to 3',
+        ),
         (
             "spacing_m = 2.0",
             "spacing_m = 2.0\n[[boat]]\nfollows = 0",
-            '"boat": [formation] makes the boats; [boat.2] changes one',
+            '"boat": [formation] creates the boats; use [boat.2] to change one',
         ),
     ],
 )
