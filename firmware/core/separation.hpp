@@ -13,7 +13,8 @@
 //   T      = max(4 s, min(20 s, t_r + U/2a + π/2r_m + k_e D_min/U)): turns aside by a quarter circle,
 //            gathers way and makes room; 4 s if U or r_m is 0
 //   D(w)   = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
-//   D(w) < D for a vessel with right of way, w: desired now, or straight to the slot
+//   D(w) < D for a vessel with right of way, w: straight to the slot, or desired now, which a boat
+//            that turns keeps for a quarter circle at the most: t ≤ π/2|r*|
 //           ⇒ w ← argmin of |w − w_e| over all w with h(w) ≥ 0; if there is none, argmax of h(w)
 //             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2
 //             a w on a closed course only if no other has h(w) ≥ 0; there, h is D_min less
@@ -37,7 +38,9 @@
 // A choice that is clear of vessels of constant velocity stays clear while it is sailed, for the
 // rest of the path is the same: so a boat that once had a clear choice has one. Two boats never wait
 // for each other: one of them has the way, and the other makes room. A boat that gets nowhere turns
-// its aim to starboard, until it finds a way round, and is content with less room (T_n).
+// its aim to starboard, until it finds a way round, and is content with less room (T_n). If it got
+// nowhere for 2 s while it went astern after a slot that makes way, it turns about, |δ| ≤ π, u_w = 0,
+// to a course that is clear and open; if there is none, it goes on as before.
 //
 // A course is closed if the boat cannot stop on it within its fence (app/guidance/fence_watch.hpp).
 //
@@ -98,6 +101,7 @@ struct SeparationParams {
   S eager = S(1);        ///< T_e, s: short, so that a boat passes rather than waits
   S aside = S(0.3);      ///< k_t, rad/s
   S narrow = S(6);       ///< T_n, s
+  S astern_s = S(2);     ///< then a boat that goes astern turns about
   S stranger_s = S(10);  ///< then a stranger may be passed on either side
   S same = S(0.1);       ///< of U and D_min: how much better another choice must be than the last
   S receding = S(0.8);   ///< k_v: share of another vessel's speed away from us that is relied on
@@ -112,6 +116,7 @@ struct SeparationState {
   Vec2<S> w_n{};  ///< chosen last
   S stuck_s{};    ///< τ; lessens at half that rate
   bool yielding = false;
+  bool bow_first = false;  ///< however far the boat must turn
 };
 
 template <class S>
@@ -202,10 +207,11 @@ struct Way {
 };
 
 template <class S>
-Way<S> way_to(const Rotation<S>& R, const Vec2<S>& w_n) {
+Way<S> way_to(const Rotation<S>& R, const Vec2<S>& w_n, bool bow_first) {
   const S speed = length(w_n);
   if (!(S(0) < speed)) return {};
   const Vec2<S> w = to_body(R, w_n);
+  if (bow_first && w.x < S(0)) return {atan2(w.y, w.x), S(0)};
   return {atan2(w.x < S(0) ? -w.y : w.y, abs(w.x)), w.x * abs(w.x) / speed};
 }
 
@@ -219,12 +225,13 @@ struct Stretch {
 /// s_w(t).
 template <class S>
 std::array<Stretch<S>, 5> path_to(const SeparationParams<S>& params, const SeparationInput<S>& in,
-                                  const Vec2<S>& w) {
-  const S T = params.horizon, r_m = in.intent.turning;
+                                  const Vec2<S>& w, bool bow_first) {
+  const S r_m = in.intent.turning, quarter = S(1.5707963267948966);
+  const Way<S> way = way_to(in.R, w, bow_first);
+  const S T = params.horizon + max(S(0), abs(way.delta) - quarter) / r_m;
   const auto time_for = [&](S change, S rate) {
     return change < S(2) * rate * T ? change / (S(2) * rate) : T;
   };
-  const Way<S> way = way_to(in.R, w);
   const S r_w = clamp(params.turning * way.delta, -r_m, r_m);
   const S speed_s = time_for(abs(way.u - in.nu.u), in.a);
   const S swing_s = time_for(abs(r_w - in.nu.r), in.a_r);
@@ -234,7 +241,7 @@ std::array<Stretch<S>, 5> path_to(const SeparationParams<S>& params, const Separ
   const S radius = way.u / r_m;
   const Vec2<S> turn = {swing_s * way.u + radius * abs(s),
                         (s < S(0) ? -radius : radius) * (S(1) - c)};
-  const S half = S(0.5), gathers = half * (S(1) + c * c);
+  const S half = S(0.5), gathers = half * (quarter < abs(way.delta) ? S(1) : S(1) + c * c);
   return {{{params.reaction, to_north_east(in.R, Vec2<S>{in.nu.u, in.nu.v})},
            {speed_s, to_north_east(in.R, Vec2<S>{half * (in.nu.u + way.u), in.nu.v})},
            {turn_s, to_north_east(in.R, Vec2<S>{turn.x / divisor_s, turn.y / divisor_s})},
@@ -277,7 +284,7 @@ S clearance(const SeparationParams<S>& params, const std::array<Stretch<S>, 5>& 
 template <class S>
 S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
             const SeparationInput<S>& in, const Vec2<S>& w) {
-  const std::array<Stretch<S>, 5> path = path_to(params, in, w);
+  const std::array<Stretch<S>, 5> path = path_to(params, in, w, state.bow_first);
   S least = S(1000);
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
@@ -318,8 +325,8 @@ bool is_closed(std::uint16_t closed, const Vec2<S>& w) {
 }
 
 template <class S>
-Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
-               const SeparationInput<S>& in, bool stranger) {
+Choice<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
+                 const SeparationInput<S>& in, bool stranger) {
   const Intent<S>& intent = in.intent;
   const Vec2<S> w_e = aim(params, state, intent);
   const bool by_rule = stranger && state.stuck_s < params.stranger_s;
@@ -346,10 +353,10 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
     consider({S(0.5) * course.x, S(0.5) * course.y}, S(0));
     course = {c * course.x - s * course.y, s * course.x + c * course.y};
   }
-  return best.w_n;
+  return best;
 }
 
-/// Whether a boat that sails with w must yield, to a stranger too, and the least predicted distance.
+/// Whether a boat that sails with ν* must yield, to a stranger too, and the least predicted distance.
 template <class S>
 struct Outlook {
   Separation<S> out{};
@@ -358,12 +365,15 @@ struct Outlook {
 
 template <class S>
 Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
-                   const SeparationInput<S>& in, const Vec2<S>& w) {
+                   const SeparationInput<S>& in, const Nu<S>& desired) {
+  const Vec2<S> w = to_north_east(in.R, Vec2<S>{desired.u, S(0)});
+  const S quarter = S(1.5707963267948966), r = abs(desired.r);
+  const S horizon = quarter < params.horizon * r ? quarter / r : params.horizon;
   Outlook<S> seen;
   Separation<S>& out = seen.out;
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
-    const S now = predicted_distance(params.horizon, other, w);
+    const S now = predicted_distance(horizon, other, w);
     out.predicted = out.known ? min(out.predicted, now) : now;
     out.known = true;
     const S straight = predicted_distance(params.horizon, other, in.intent.straight_n);
@@ -378,13 +388,18 @@ Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& 
 
 /// Counts τ: the boat is off its slot, slow beside it (or yields to a stranger), and comes no nearer.
 template <class S>
-void count_stuck(SeparationState<S>& state, const SeparationInput<S>& in, bool stranger) {
+void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
+                 const SeparationInput<S>& in, bool stranger) {
   const Intent<S>& intent = in.intent;
   const S off = length(intent.off_n), slow = intent.fastest / S(4);
   const Vec2<S> q = minus(to_north_east(in.R, Vec2<S>{in.nu.u, in.nu.v}), intent.slot_n);
   const bool stuck = state.yielding && slow < off && (stranger || length(q) < slow) &&
                      dot(q, Vec2<S>{intent.off_n.x / off, intent.off_n.y / off}) < slow / S(2);
+  const bool patient = !(params.astern_s < state.stuck_s);
   state.stuck_s = stuck ? state.stuck_s + in.dt : max(S(0), state.stuck_s - in.dt / S(2));
+  const bool loses = in.nu.u < S(0) && !stranger && slow < length(intent.slot_n);
+  const bool begins = loses && patient && params.astern_s < state.stuck_s;
+  state.bow_first = state.yielding && (state.bow_first || begins);
   if (S(60) < state.stuck_s) state.stuck_s = S(0);
 }
 
@@ -419,16 +434,21 @@ template <class S>
 Separation<S> separate(const SeparationParams<S>& params, SeparationState<S>& state,
                        const SeparationInput<S>& in, VirtualVelocity<S>& desired) {
   Nu<S>& nu = desired.nu_star;
-  auto [out, stranger] = foresee(params, state, in, to_north_east(in.R, Vec2<S>{nu.u, S(0)}));
+  auto [out, stranger] = foresee(params, state, in, nu);
   if (out.yielding) {
-    state.w_n = choose(params, state, in, stranger);
-    const Way<S> way = way_to(in.R, state.w_n);
+    Choice<S> best = choose(params, state, in, stranger);
+    if (state.bow_first && !(best.rank == 4 && S(0) < length(best.w_n))) {
+      state.bow_first = false;
+      best = choose(params, state, in, stranger);
+    }
+    state.w_n = best.w_n;
+    const Way<S> way = way_to(in.R, state.w_n, state.bow_first);
     nu.u = way.u;
     nu.r = clamp(params.turning * way.delta, -in.intent.turning, in.intent.turning);
     desired.r_star_dot = S(0);
   }
   state.yielding = out.yielding;
-  count_stuck(state, in, stranger);
+  count_stuck(params, state, in, stranger);
   const S u = held_back(params, in, nu.u);
   out.yielding = out.yielding || u < nu.u || nu.u < u;
   nu.u = u;

@@ -93,16 +93,19 @@ TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that
   Random random(73);
   for (int i = 0; i < 500; ++i) {
     const double psi = random.angle(), course = random.angle(), speed = random(0.01, 3);
-    const Way<double> way =
-        way_to(rotation(psi), Vec2<double>{speed * std::cos(course), speed * std::sin(course)});
+    const Vec2<double> w = {speed * std::cos(course), speed * std::sin(course)};
+    const Way<double> way = way_to(rotation(psi), w, false);
     const double turn = std::remainder(course - psi, 2 * testing::kPi);
     const bool astern = std::abs(turn) > testing::kPi / 2;
     CHECK((way.u < 0) == astern);
     CHECK(std::abs(std::remainder(psi + way.delta + (astern ? testing::kPi : 0) - course,
                                   2 * testing::kPi)) < 2e-3);
     CHECK(std::abs(way.u) == doctest::Approx(speed * std::pow(std::cos(turn), 2)));
+    const Way<double> ahead = way_to(rotation(psi), w, true);
+    CHECK(std::abs(std::remainder(ahead.delta - turn, 2 * testing::kPi)) < 2e-3);
+    CHECK(ahead.u == (astern ? 0 : way.u));
   }
-  const Way<double> nowhere = way_to(rotation(0.3), Vec2<double>{});
+  const Way<double> nowhere = way_to(rotation(0.3), Vec2<double>{}, false);
   CHECK((nowhere.delta == 0 && nowhere.u == 0));
 }
 
@@ -314,7 +317,7 @@ TEST_CASE("a path leads where its stretches do, and to the wanted velocity") {
   const Intent<double> intent{{0.5, 0}, {1, 0}, {2.5, 0}, 1.5, 0.8};
   const Traffic<double> none{};
   const SeparationInput<double> in{none, rotation(0.0), {0.5, 0, 0}, 1, 1, intent, 0.01};
-  const auto path = path_to(params, in, Vec2<double>{0, 1});  // abeam, from 0.5 m/s ahead
+  const auto path = path_to(params, in, Vec2<double>{0, 1}, false);  // abeam, from 0.5 m/s ahead
   double time_s = 0;
   for (const auto& stretch : path) time_s += stretch.time_s;
   CHECK(time_s == doctest::Approx(params.horizon));
@@ -324,6 +327,66 @@ TEST_CASE("a path leads where its stretches do, and to the wanted velocity") {
   CHECK(path[2].time_s == doctest::Approx(0.4 + M_PI_2 / 0.8));
   CHECK(path[3].v_n.y == doctest::Approx(0.5));
   CHECK(path[4].v_n.y == 1);
+}
+
+TEST_CASE("a boat that turns away from a vessel ahead need not yield to it") {
+  SeparationParams<double> params;
+  params.least = kMin;
+  const Intent<double> intent{{0, 0.6}, {0, 0.8}, {0, 1}, 1.5, 0.8};
+  const Traffic<double> traffic = only({{4, 0}, {}, 0, true, false});
+  for (const double r : {0.0, 0.1, 0.8, -0.8}) {
+    SeparationState<double> state{};
+    VirtualVelocity<double> desired{};
+    desired.nu_star = {0.8, 0, r};
+    const auto out = separate(params, state, {traffic, {}, {}, 1, 1, intent, 0.01}, desired);
+    CHECK(out.yielding == (std::abs(r) < 0.5));
+  }
+}
+
+TEST_CASE("a boat that gets nowhere while it goes astern turns about, if it has room") {
+  SeparationParams<double> params;
+  params.least = kMin;
+  const Intent<double> intent{{0.6, 0}, {0.8, 0}, {1, 0}, 1.5, 0.8};
+  const OtherVessel<double> ahead{{2, 0}, {0.6, 0}, 0, true, false};
+  const auto sails = [&](const Traffic<double>& traffic, double stuck_s, double u) {
+    const SeparationInput<double> in{traffic, rotation(3.0), {u, 0, 0}, 1, 1, intent, 0.01};
+    SeparationState<double> state{.stuck_s = stuck_s, .yielding = true};
+    VirtualVelocity<double> desired;
+    for (int step = 0; step < 2; ++step) {
+      desired.nu_star = {-0.8, 0, 0};
+      CHECK(separate(params, state, in, desired).yielding);
+    }
+    return std::pair(desired.nu_star, state.bow_first);
+  };
+  const auto [astern, not_yet] = sails(only(ahead), 1, -0.5);
+  CHECK(astern.u < 0);
+  CHECK_FALSE(not_yet);
+  const auto [turns, about] = sails(only(ahead), 1.995, -0.5);
+  CHECK((turns.u == 0 && turns.r == -0.8));
+  CHECK(about);
+  CHECK_FALSE(sails(only(ahead), 1.995, 0.1).second);
+  Traffic<double> ring = only(ahead);
+  for (int i = 0; i < 6; ++i) {  // closes
+    const double c = std::cos(i), s = std::sin(i);
+    ring.vessels[ring.count++] = {{1.2 * c, 1.2 * s}, {-c, -s}, 0, true, false};
+  }
+  CHECK_FALSE(sails(ring, 1.995, -0.5).second);
+}
+
+TEST_CASE("a boat that turns about gathers way from rest, in more time") {
+  SeparationParams<double> params;
+  params.least = kMin;
+  const Intent<double> intent{{0.5, 0}, {1, 0}, {2.5, 0}, 1.5, 0.8};
+  const Traffic<double> none{};
+  const SeparationInput<double> in{none, rotation(0.0), {-0.5, 0, 0}, 1, 1, intent, 0.01};
+  const auto path = path_to(params, in, Vec2<double>{-1, 0}, true);
+  double time_s = 0;
+  for (const auto& stretch : path) time_s += stretch.time_s;
+  CHECK(time_s == doctest::Approx(params.horizon + testing::kPi / 2 / 0.8));
+  CHECK(path[1].v_n.x == doctest::Approx(-0.25));
+  CHECK(path[2].v_n.x == doctest::Approx(0));
+  CHECK(path[2].time_s == doctest::Approx(0.4 + testing::kPi / 0.8));
+  CHECK(path[3].v_n.x == doctest::Approx(-0.5));
 }
 
 TEST_CASE("a choice that was clear is clear a moment later") {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How places move from one shape to the next: as a share s of their ways, in a time T.
 //
-//   ṡ rises to 1 / (T − ρ) in ρ, stays there, and falls to 0 in ρ      ρ = min(5 s, T/2)
+//   ṡ rises to 1 / (T − ρ) in ρ, stays there, and falls to 0 in ρ      ρ = min(4 s, T/2)
 //
 // The ramps give a boat time to turn to its place's new course.
 #pragma once
@@ -12,11 +12,11 @@
 
 namespace flotilla::app {
 
-constexpr double kMoveRamp_s = 5;
+constexpr double kMoveRamp_s = 4;
 
-/// A boat turns about in some 6 s with the default gains. It begins half of that time before its
-/// place reverses.
-constexpr double kTurnAhead_s = 3;
+/// A boat turns about in some 5 s while its place moves (core/controller.hpp). It begins half of that
+/// time before its place reverses: a multiple of the time after which slots are set anew.
+constexpr double kTurnAhead_s = 2.4;
 
 struct FleetMove {
   double share = 1;

@@ -123,17 +123,17 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
   }
 }
 
-/// Of a move of two boats, the second one's to `to`, without the ramps' 5 s.
+/// Of a move of two boats, the second one's to `to`, without kMoveRamp_s.
 double seconds(FleetSlot from, FleetSlot to, const FleetOutlook& outlook, bool turns = false) {
   FleetTable wanted = table_of({{0, 0}, to});
   wanted.turns = turns;
-  return assigned(wanted, Now{FleetSlot{0, 0}, from}, outlook).move_ds / 10.0 - 5;
+  return assigned(wanted, Now{FleetSlot{0, 0}, from}, outlook).move_ds / 10.0 - kMoveRamp_s;
 }
 
 TEST_CASE("the time is that of the longest way at what the boats can do") {
   constexpr double kMost = 0.97 * 1.5;
   const double abeam = std::sqrt(kMost * kMost - 0.36);
-  CHECK(seconds({-400, 0}, {-400, 0}, kUnderWay) == -5);
+  CHECK(seconds({-400, 0}, {-400, 0}, kUnderWay) == -kMoveRamp_s);
   CHECK(seconds({-400, 0}, {-410, 0}, kUnderWay) == 10);
   CHECK(seconds({-400, 500}, {600, 500}, kUnderWay) ==
         doctest::Approx(10 / (kMost - 0.6)).epsilon(0.01));
