@@ -101,7 +101,7 @@ def test_a_plan_that_the_boat_refuses_is_told() -> None:
     [
         (["leader.boat=2"], '"leader.boat"'),
         (["boat.1.offset_m=[1.0, 0.0]"], "must be [0, 0], as this boat sails the plan itself"),
-        (["leader.navigation.rate_hz=5.0"], "[boat.1.navigation] is its unit"),
+        (["leader.navigation.rate_hz=5.0"], "boat 1 leads, set [boat.1.navigation] instead"),
         (['fault=[{kind="clock", agent=0, at_s=1.0, value=1.0}]'], "there is no agent 0"),
     ],
 )
