@@ -31,7 +31,7 @@ std::int16_t int16_of(const std::uint8_t* bytes) {
 
 bool too_close(const FleetMember& a, const FleetMember& b) {
   const std::int64_t x = a.slot_cm[0] - b.slot_cm[0], y = a.slot_cm[1] - b.slot_cm[1];
-  const std::int64_t least_cm = 5 * (a.length_dm + b.length_dm);
+  const std::int64_t least_cm = std::int64_t{5} * (a.length_dm + b.length_dm);
   return x * x + y * y < std::max<std::int64_t>(least_cm * least_cm, 1);
 }
 

@@ -50,17 +50,17 @@ FleetReports::Member* FleetReports::find(std::uint8_t system) {
 /// Nobody waits for a boat that has no room in the table.
 void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t now_us) {
   Member* member = find(system);
-  if (member != nullptr) {
-    member->follows = follows;
-    if (!follows) member->note(false, now_us, wait_us_);
+  if (!follows) {
+    if (member == nullptr) return;
+    member->note(false, now_us, wait_us_);
+    member->was_in = false;
+    return;
   }
-  if (!follows) return;
   if (member == nullptr) {
     member = &*std::ranges::min_element(members_, {}, &Member::heard_us);
     if (member->system != 0 && now_us - member->heard_us <= kSilent_us) return;
     *member = {};
     member->system = system;
-    member->follows = true;
     used_ = std::max(used_, static_cast<std::size_t>(member - members_.data()) + 1);
   }
   member->heard_us = now_us;
@@ -75,7 +75,7 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
   } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
     if (std::strncmp(value->name.data(), "IN_SLOT", value->name.size()) != 0) return;
     Member* member = find(from);
-    if (member == nullptr || !member->follows) return;
+    if (member == nullptr) return;
     member->was_in = member->was_in || value->value > 0;
     member->note(member->was_in && !(value->value > 0), now_us, wait_us_);
   } else if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {

@@ -14,9 +14,9 @@ namespace flotilla::app {
 
 class FleetReports {
  public:
-  /// wait_us: the longest wait for one boat. Time that the boat then spends in its slot, or behind
-  /// another root, permits a further wait of the same length, so a boat that falls out repeatedly
-  /// cannot stop the others for ever.
+  /// wait_us: the longest wait for one boat. Time that the boat then spends in its slot permits a
+  /// further wait of the same length, so a boat that falls out repeatedly cannot stop the others
+  /// for ever.
   void configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us);
 
   void hear(const link::Received& received, std::int64_t now_us);
@@ -31,12 +31,11 @@ class FleetReports {
  private:
   struct Member {
     std::uint8_t system = 0;  ///< 0: a free entry
-    bool follows = false;     ///< this boat, as it said last
-    bool was_in = false;      ///< has been in its slot behind this boat
+    bool was_in = false;      ///< has been in its slot
     bool out = false;         ///< out of its slot now
     std::int64_t heard_us = 0;
     std::int64_t since_us = 0;   ///< of `out`
-    std::int64_t waited_us = 0;  ///< up to since_us, less the time in its slot or away
+    std::int64_t waited_us = 0;  ///< up to since_us, less the time in its slot
 
     std::int64_t waited(std::int64_t now_us) const;
     void note(bool is_out, std::int64_t now_us, std::int64_t most_us);

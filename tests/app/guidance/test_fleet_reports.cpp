@@ -114,21 +114,6 @@ TEST_CASE("nobody waits for a boat that is silent, has left, or follows another"
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("a boat that comes back from another root is waited for, as when two parts meet again") {
-  Fleet fleet;
-  fleet.run(1);
-  fleet.in_slot(1);
-  fleet.root = 77;
-  fleet.run(30);
-  fleet.in_slot(0);
-  CHECK_FALSE(fleet.late());
-  fleet.run(30);
-  fleet.root = kOwn;
-  fleet.run(0.1);
-  fleet.in_slot(0);
-  CHECK(fleet.late());
-}
-
 TEST_CASE("WP_WAIT_S 0: nobody is waited for") {
   Fleet fleet;
   fleet.reports.configure(kOwn, 100, 0);
