@@ -307,7 +307,11 @@ def test_units_say_what_the_boats_units_say_but_for_their_own_keys(tmp_path: Pat
             'base = "leader_global"',
             "that scenario has a base itself, name one without",
         ),
-        ("rate_hz = 5", "rate_hz = 500", 'pair.toml:8: "boat.2.navigation.rate_hz" = 500.0: must be at most'),
+        (
+            "rate_hz = 5",
+            "rate_hz = 500",
+            'pair.toml:8: "boat.2.navigation.rate_hz" = 500.0: must be at most',
+        ),
         (
             "rate_hz = 5",
             'message = "follow_target"\nattitude_rate_hz = 5',
