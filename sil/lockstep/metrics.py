@@ -41,7 +41,7 @@ class BoatSummary(TypedDict):
 
 
 class Summary(TypedDict):
-    """summary.json. A live run has, instead of a digest, the UNIX time of its t_s = 0."""
+    """summary.json. Lockstep runs have a digest, live runs the two times after it."""
 
     scenario: str
     seed: int
@@ -49,7 +49,8 @@ class Summary(TypedDict):
     wall_s: float
     real_time_factor: float
     digest: str | None
-    release_unix_s: float | None
+    release_unix_s: float | None  # UNIX time of t_s = 0
+    late_s: float | None  # by which the simulation was late at its worst tick
     boats: list[BoatSummary]
     min_separation_m: float | None
     hull_m: float  # length of the longest hull

@@ -97,8 +97,8 @@ def live(
     result = Run(tracer.trace(0), tracer.seconds(0), None)
     wall_s = time.perf_counter() - began_s
     with Drawing() as drawing:
-        told_s = world.release_unix_s
-        return _finish(scenario, out, result, wall_s, command, console, drawing, told_s)
+        times_s = world.release_unix_s, 1e-6 * world.late_us
+        return _finish(scenario, out, result, wall_s, command, console, drawing, *times_s)
 
 
 def _remove_earlier(out: Path, boats: int) -> None:
@@ -133,6 +133,7 @@ def _finish(
     console: Console,
     drawing: Drawing,
     release_unix_s: float | None = None,
+    late_s: float | None = None,
 ) -> Summary:
     trace = result.trace
     afloat = boats_of(scenario)
@@ -150,6 +151,7 @@ def _finish(
         "real_time_factor": scenario.duration_s / wall_s,
         "digest": result.digest,
         "release_unix_s": release_unix_s,
+        "late_s": late_s,
         "boats": boats,
         "min_separation_m": separation_m,
         "hull_m": max(boat.length_m for boat in afloat),

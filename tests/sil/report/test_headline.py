@@ -33,6 +33,7 @@ def summary(*boats: BoatSummary, separation_m: float | None = 1.18, hull_m: floa
         "real_time_factor": 300.0,
         "digest": None,
         "release_unix_s": None,
+        "late_s": None,
         "boats": list(boats),
         "min_separation_m": separation_m,
         "hull_m": hull_m,

@@ -41,6 +41,7 @@ def made_up_run(ticks: int = 2001) -> tuple[Summary, dict[str, Array]]:
         "duration_s": 20.0,
         "wall_s": 0.5,
         "release_unix_s": 0.0,
+        "late_s": 0.0,
         "real_time_factor": 40.0,
         "digest": "ab" * 32,
         "boats": metrics.boats(t_s, error, thrust, states),

@@ -72,7 +72,8 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[dict[str, Any]]
             url = view.stdout.readline().split()[-1]
             with process(*live, "--mavlink", group, "--out", str(out)) as sailing:
                 frames[:] = asyncio.run(frames_until(url, sailing.poll))
-                assert sailing.wait(_PATIENCE_S) == 0, sailing.communicate()
+                told, _ = sailing.communicate(timeout=_PATIENCE_S)
+                assert sailing.returncode == 0, told
         assert view.returncode == 0
 
     out = sail_punctually(sail, tmp_path_factory.mktemp("seen"))
