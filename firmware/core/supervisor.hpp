@@ -53,7 +53,7 @@ enum class Reaction : std::uint8_t {
   kHold,
   kLoiter,
   kReturn,
-  kCoast,   ///< then as Choices::coast_end
+  kCoast,   ///< after it, Choices::coast_end decides
   kManual,  ///< if sticks are fresh, else HOLD
   kNone,    ///< nothing is lost
 };

@@ -183,7 +183,7 @@ def _finish(
     summary.show(console, sampler.nominal, runs, told)
     if len(sailed) > 1 and len({run.digest for run in sailed.values()} - {None, ""}) == 1:
         name = sampler.nominal.name
-        _say(console, f"all runs of {name} are the same one: see [[vary]] in sil/docs/CAMPAIGNS.md")
+        _say(console, f"all runs of {name} are identical: see [[vary]] in sil/docs/CAMPAIGNS.md")
     parameters = dict(campaign.identity.parameters)
     with in_a_process(worst.write, folder.path, sampler, parameters) as worst_sailed:
         campaign_report.write(folder.path, worst_sailed)

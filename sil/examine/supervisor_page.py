@@ -104,7 +104,7 @@ def choice_table() -> str:
             lost = LOSSES[parameter]
             held = after("FORMATION", "nothing", [lost], chosen)
             free = after("FORMATION", "nothing", [lost, "sticks_fresh"], chosen)
-            then = f"{free}, then as `FS_COAST_ACT`" if free == "COAST" else free
+            then = f"{free}, then `FS_COAST_ACT` decides" if free == "COAST" else free
             rows.append([name, f"no `{lost}`", then, held if held != free else then])
     return table(("choice", "when", "FORMATION goes to", "with fresh sticks"), rows)
 

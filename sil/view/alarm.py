@@ -25,7 +25,7 @@ _SILENCE = {
     "udpin": "check that the boats have power, and that their radio's program sends to this port",
     "tcp": "check that the boats have power, and that the server passes on what it hears",
 }
-_LINE_SILENCE = "check that the boats have power, the radio's pairing and its speed in baud"
+_LINE_SILENCE = "check that the boats have power, the radio's pairing and its baud rate"
 
 
 def of_error(error: Exception) -> str:

@@ -117,8 +117,8 @@ DecodedCommand reposition(const Command& c) {
   const bool fast = !std::isnan(c.param[0]) && c.param[0] != -1 && c.param[0] != 0;
   const convert::GlobalPoint place{static_cast<std::int32_t>(c.param[4]),
                                    static_cast<std::int32_t>(c.param[5])};
-  if (!convert::is_valid({place.latitude, place.longitude, 0, 0}))
-    return denied("invalid position");
+  const bool valid = convert::is_valid({place.latitude, place.longitude, 0, 0});
+  if (!valid) return denied("invalid position");
   asked.target = Target{place, fast ? static_cast<float>(c.param[0]) : 0.0F};
   return asked;
 }

@@ -9,7 +9,7 @@
 //   ω = min(2 rad/s, 1 / T_u)              the observer is not faster than the loops
 //   ω_c = 0.1 rad/s max(1, min(T_v, 6/T_v))   T_v = m22 / d22: a hull that drifts on for long looks
 //                                          like a current, and the estimate should follow the drift
-//   Δ = min(L / 1.3, max(1 m, 2 u_max T_r))   look-ahead: the lateral loop T_r ÿ + ẏ + y u/Δ = 0
+//   Δ = min(100 m, L / 1.3, max(1 m, 2 u_max T_r))   look-ahead: the lateral loop T_r ÿ + ẏ + y u/Δ = 0
 //                                          has the damping 0.7 at u_max. A longer Δ only costs: an
 //                                          error of the course puts the boat Δ times it aside
 //   r_max = min(0.8 · 1.3 m / max(L, 1.3 m), 0.6 N_max / (d33 + d33u u_max / 2)) rad/s

@@ -23,8 +23,9 @@ constexpr std::array kSpeeds{Speed{9600, B9600},     Speed{19200, B19200},   Spe
 
 SerialEndpoint::SerialEndpoint(const EndpointAddress& address) : device_(address.place) {
   const auto speed = std::ranges::find(kSpeeds, number_of(address, 921600), &Speed::baud);
-  if (speed == kSpeeds.end())
+  if (speed == kSpeeds.end()) {
     refuse(address.whole, address.number + " is not a supported baud rate");
+  }
   speed_ = speed->code;
   reopen();
   port_.take();

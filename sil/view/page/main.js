@@ -86,7 +86,7 @@ function tell(frame, chosen) {
     say(byName("heard"), source.frames ? parts.join(" · ") + garbage : "");
   }
   byName("nothing").hidden = frame.vessels.length > 0;
-  say(byName("nothing"), frame.heard?.bytes_per_s > 0 ? "Bytes come in, but no vessel's HEARTBEAT is among them: check the speed in baud, and that this is MAVLink." : "Nothing is heard yet.");
+  say(byName("nothing"), frame.heard?.bytes_per_s > 0 ? "Bytes come in, but no vessel's HEARTBEAT is among them: check the baud rate, and that this is MAVLink." : "Nothing is heard yet.");
   say(byName("clock"), clock(frame.t_s));
   say(byName("pause"), player ? (player.playing ? "Pause" : "Play") : paused ? "Go on" : "Pause");
   byName("pause").setAttribute("aria-label", byName("pause").textContent);

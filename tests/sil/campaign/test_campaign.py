@@ -94,7 +94,7 @@ def test_runs_that_are_all_the_same_are_told(
 ) -> None:
     short = [str(scenario)] if varies else ["diamond", "--set", "duration_s=2.0"]
     assert main(["campaign", *short, "--runs", "2", "--out", str(tmp_path / "out")]) == 0
-    assert ("are the same one: see [[vary]]" in capsys.readouterr().out) != varies
+    assert ("are identical: see [[vary]]" in capsys.readouterr().out) != varies
 
 
 def test_fewer_runs_are_the_first_of_more(scenario: Path, sailed: Path, tmp_path: Path) -> None:

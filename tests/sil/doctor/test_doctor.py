@@ -206,7 +206,7 @@ FAULTS = {
     "no attitude": (no_attitude, BAD, "serial:/dev/ttyNAV", "no ATTITUDE", "ATTITUDE"),
     "a unit without clock": (no_answers, DOUBT, "serial:/dev/ttyNAV", "TIMESYNC", "NAV_LAG_S"),
     "a late navigation unit": (late_unit, DOUBT, "serial:/dev/ttyNAV", "ms", "faster link"),
-    "a wrong speed in baud": (wrong_baud, BAD, "serial:/dev/ttyNAV", "not MAVLink", "baud"),
+    "a wrong baud rate": (wrong_baud, BAD, "serial:/dev/ttyNAV", "not MAVLink", "baud"),
     "no leader": (no_leader, DOUBT, "radio", "system 100 (FORM_LEADER)", "pairing"),
     "two boats of one name": (namesake, BAD, "udpin:127.0.0.1", "another boat has", "MAV_SYSID"),
     "unsigned where signed is required": (unsigned, BAD, "udpin:127.0.0.1", "does not sign", "signing=off"),
@@ -220,7 +220,7 @@ CONSEQUENCES = {
     "another bit rate": ("cannot be opened",),
     "a bus with errors": ("cannot be opened",),
     "a bus that stays off": ("cannot be opened",),
-    "a wrong speed in baud": ("positions per second", "TIMESYNC", "ATTITUDE", "sends no position"),
+    "a wrong baud rate": ("positions per second", "TIMESYNC", "ATTITUDE", "sends no position"),
 }
 
 
