@@ -7,10 +7,6 @@
 // shape, line of sight, approach, limits of ν*, separation from other vessels, current, unknown
 // wrench.
 //
-// While a fleet changes its shape (SlotParams::moves), k_x and k_ψ are doubled and the look-ahead is
-// halved. The usual gains suit noise and delay behind a slot that rests in the shape; with them a
-// boat turned about in 7 s, was left behind by its slot, and closed up slowly.
-//
 // Q16.16: tested within ±1,000 (wrench, N)
 #pragma once
 
@@ -72,24 +68,8 @@ struct Course {
 };
 
 template <class S>
-VirtualVelocityParams<S> outer_params(const ControllerParams<S>& params) {
-  VirtualVelocityParams<S> outer = params.outer;
-  if (!params.slot.moves) return outer;
-  outer.k_x = S(2) * outer.k_x;
-  outer.k_psi = S(2) * outer.k_psi;
-  return outer;
-}
-
-template <class S>
-LineOfSightParams<S> sight_params(const ControllerParams<S>& params) {
-  LineOfSightParams<S> sight = params.sight;
-  if (params.slot.moves) sight.Delta = S(0.5) * sight.Delta;
-  return sight;
-}
-
-template <class S>
 ApproachParams<S> approach_params(const ControllerParams<S>& params) {
-  return {outer_params(params).k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max};
+  return {params.outer.k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max};
 }
 
 /// Follows the slot's path, or approaches the slot.
@@ -122,8 +102,8 @@ Course<S> course(const ControllerParams<S>& params, ApproachState<S>& state,
     sailed.nu.u = to_body(error.R_e, Vec2<S>{slot.nu.u, slot.nu.v}).x;
     sailed.nu_dot.u = error.R_e.c * slot.nu_dot.u;
   }
-  const S U = agreed(slot.pace, desired_surge(outer_params(params), sailed, error) - c_b.x);
-  return {sailed, line_of_sight(sight_params(params), in.nu, slot, error, U)};
+  const S U = agreed(slot.pace, desired_surge(params.outer, sailed, error) - c_b.x);
+  return {sailed, line_of_sight(params.sight, in.nu, slot, error, U)};
 }
 
 /// ν* through the water, as PD+ and v* need it; c_b: current in the boat's axes.
@@ -146,7 +126,7 @@ SeparationInput<S> separation_input(const ControllerParams<S>& params, const Tra
           nu,
           params.propellers.R / params.vessel.m11,
           S(2) * params.propellers.a * params.propellers.R / params.vessel.m33,
-          intent_of(outer_params(params), params.separation, v, off),
+          intent_of(params.outer, params.separation, v, off),
           dt};
 }
 
@@ -162,8 +142,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   push_forward(approach_params(params), params.vessel, state.approach, in, slot, dt);
   const auto [sailed, sight] = course(params, state.approach, in, slot, error);
   virtual_sway_forward(params.vessel, state.outer, dt);
-  VirtualVelocity<S> desired =
-      virtual_velocity(outer_params(params), state.outer, sailed, error, sight);
+  VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
   if (traffic == nullptr || traffic->count == 0) {
     state.separation = {};

@@ -28,7 +28,7 @@
 //            and how far off the place may be
 //  D_min     distance to keep; 0: off                           m       0.5 … 20
 //  V, u      own velocity, over ground and ahead                m/s
-//  w, δ, u_w velocity, the turn to its course, bow or stern first, ±π/2, and surge when that begins
+//  w, δ, u_w velocity; the turn to its course, bow or stern first, ±π/2; surge when that begins
 //  r_m, U    LAW_R_MAX, LAW_U_MAX; if U is 0, max(D_min / 1 s, k_U |w_S|)   rad/s, m/s
 //  w_S, w_0  velocity of the slot; straight to the slot         m/s
 //  τ         time in which the boat came no nearer to its slot  s
@@ -116,7 +116,7 @@ struct SeparationState {
   Vec2<S> w_n{};  ///< chosen last
   S stuck_s{};    ///< τ; lessens at half that rate
   bool yielding = false;
-  bool bow_first = false;  ///< however far the boat must turn
+  bool bow_first = false;  ///< turns about: goes bow first, however far it must turn
 };
 
 template <class S>
@@ -189,13 +189,18 @@ S stopping_speed(S a, S reaction, S gap) {
   return hypot(lag, sqrt(S(2) * a) * sqrt(gap)) - lag;
 }
 
+template <class S>
+S quarter_turn() {
+  return S(1.5707963267948966);
+}
+
 /// T for a boat with these limits.
 template <class S>
 S horizon_of(const SeparationParams<S>& params, S U, S r_m, S a) {
   const S least = params.horizon, most = S(20);
   if (!(S(0) < U && S(0) < r_m && S(0) < a)) return least;
   const S gather_s = U < S(2) * a * most ? U / (S(2) * a) : most;
-  const S quarter_s = S(1.5707963267948966) / r_m, room_s = params.end * params.least / U;
+  const S quarter_s = quarter_turn<S>() / r_m, room_s = params.end * params.least / U;
   return max(least, min(params.reaction + gather_s + quarter_s + room_s, most));
 }
 
@@ -226,7 +231,7 @@ struct Stretch {
 template <class S>
 std::array<Stretch<S>, 5> path_to(const SeparationParams<S>& params, const SeparationInput<S>& in,
                                   const Vec2<S>& w, bool bow_first) {
-  const S r_m = in.intent.turning, quarter = S(1.5707963267948966);
+  const S r_m = in.intent.turning, quarter = quarter_turn<S>();
   const Way<S> way = way_to(in.R, w, bow_first);
   const S T = params.horizon + max(S(0), abs(way.delta) - quarter) / r_m;
   const auto time_for = [&](S change, S rate) {
@@ -367,7 +372,7 @@ template <class S>
 Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
                    const SeparationInput<S>& in, const Nu<S>& desired) {
   const Vec2<S> w = to_north_east(in.R, Vec2<S>{desired.u, S(0)});
-  const S quarter = S(1.5707963267948966), r = abs(desired.r);
+  const S quarter = quarter_turn<S>(), r = abs(desired.r);
   const S horizon = quarter < params.horizon * r ? quarter / r : params.horizon;
   Outlook<S> seen;
   Separation<S>& out = seen.out;
@@ -387,6 +392,7 @@ Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& 
 }
 
 /// Counts τ: the boat is off its slot, slow beside it (or yields to a stranger), and comes no nearer.
+/// If that lasts while it goes astern, it shall turn about.
 template <class S>
 void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
                  const SeparationInput<S>& in, bool stranger) {

@@ -71,34 +71,6 @@ TEST_CASE("a slot that moves in the shape: a boat that faces away goes with it w
   CHECK(u_star().u == doctest::Approx(0.8));
 }
 
-TEST_CASE("behind a slot that moves in the shape a boat closes up and turns twice as fast") {
-  ControllerParams<double> params = testing::papers_controller<double>();
-  ControllerInput<double> in;
-  in.psi = 0.3;
-  in.separation_n = {-1, 0};
-  in.nu_L = {0.8, 0, 0};
-  const auto nu_star = [&] {
-    ControllerState<double> state = controller_start(in);
-    return controller_step(params, state, in, 0.0).desired.nu_star;
-  };
-  const auto at_rest = nu_star();
-  params.slot.moves = true;
-  const auto moving = nu_star();
-  CHECK(moving.u - 0.8 * std::cos(0.3) == doctest::Approx(2 * (at_rest.u - 0.8)));
-  CHECK(moving.r == doctest::Approx(2 * at_rest.r));
-
-  const auto theta = [&](double Delta, bool moves) {
-    params.sight.Delta = Delta;
-    params.slot.moves = moves;
-    in.psi = 0;
-    in.separation_n = {0, 0.8};
-    ControllerState<double> state = controller_start(in);
-    return controller_step(params, state, in, 0.0).sight.theta;
-  };
-  CHECK(theta(2, true) == theta(1, false));
-  CHECK(std::abs(theta(2, true)) > std::abs(theta(2, false)));
-}
-
 TEST_CASE("in a current u* is wanted through the water, and its derivative is the slope of that") {
   constexpr std::uint32_t kSeed = 25;
   INFO("seed ", kSeed);

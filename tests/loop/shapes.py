@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Fleets that change their shape while they sail a plan.
 
-    python -m tests.loop.shapes [--changes 500] [--seed 1]
+    python -m tests.loop.shapes [--changes 500] [--seed 1] [--boats N…] [--hull NAME]
 
 The scenario `lead` with 4 to 20 boats on a radio that loses 10 % and is up to 0.2 s late. A ground
 station asks for a random shape and spacing, again and again; the boat that hears it gives the
 places to the members. Truth is judged: how near two boats come, and when all are in their places.
+With the hull of another preset, at its cruise, plan and shapes are as much larger as the hull.
 """
 
 import argparse
@@ -22,27 +23,28 @@ from sil.lockstep.batch import Batch
 from sil.lockstep.start import RunError
 from sil.lockstep.world import sail as sail_runs
 from sil.plant.hull import Array
-from sil.scenario import scenario
+from sil.scenario import presets, scenario
 from sil.scenario.formation import Formation, Place, Shape, slots
 from sil.scenario.scenario import Scenario
 from sil.wire.fleet_table import Member, table_message
 
-FIRST_S, EVERY_S, EACH = 20.0, 200.0, 5  # when shapes change, and how many times in a run
-U_MAX_MPS, R_MAX_RADPS = 1.5, 0.8
-NEAR_M, STAY_S = 0.3, 5.0  # of a boat that has arrived: how near its place, for how long
+FIRST_S, EVERY_S, EACH = 20.0, 200.0, 5  # when shapes of `lead` change, and how many times in a run
+U_MAX_MPS, R_MAX_RADPS = 1.5, 0.8  # r_max of a short hull
+LONG_M = 1.3  # longer hulls turn more slowly, as LAW_R_MAX's default has it
+NEAR_M, STAY_S = 0.3, 5.0  # of a boat of `lead` that has arrived: how near its place, for how long
 COURSE_S = 2.0  # of boat 1, before and after an instant, that give its course
 STEP_S = 0.2  # of what is noted
-SPARE_S = 2.0 * np.pi / R_MAX_RADPS + 10.0
+SPARE_S = 10.0  # and a turn
 RADIO = 1
 TURNING = 4  # a shape of so many boats turns with its leader; greater ones keep their bearings
+ROUTE_M = ((0.0, 0.0), (170.0, 0.0), (170.0, 170.0), (0.0, 170.0), (0.0, 0.0))
+CORNER_M, WP_RADIUS_M, SPEED_MPS = 20.0, 1.5, 0.6
+SPACING_M = 5.0  # at the start
 SETTINGS = (
-    "leader.waypoints=[[0, 0], [170, 0], [170, 170], [0, 170], [0, 0]]",
-    "leader.corner_radius_m=20.0",
     "link.delay_s=0.1",
     "link.jitter_s=0.1",
     "link.loss=0.1",
     "link.everyone=true",
-    f"duration_s={FIRST_S + EACH * EVERY_S}",
 )
 
 
@@ -51,10 +53,10 @@ class Change:
     """One change of shape: `nearest_m` of two boats, until the next one begins.
 
     `arrived_s`: when all boats have come within NEAR_M of their places and stay there for STAY_S;
-    `asked_s`: a time-optimal intercept of the moving places, one turn and 10 s; both since the
-    request. `far_m`: the longest way in the shape; `later_m`: the farthest boat from its place
-    after they have arrived, as in the leader's next corner; `off_m`: the same at the end; `idle`:
-    boats that are in neither AUTO nor FORMATION at the end.
+    `asked_s`: a time-optimal intercept of the places, as they moved behind boat 1, one turn and
+    10 s; both since the request. `far_m`: the longest way in the shape; `later_m`: the farthest
+    boat from its place after they have arrived, as in the leader's next corner; `off_m`: the same
+    at the end; `idle`: boats that are in neither AUTO nor FORMATION at the end.
     """
 
     boats: int
@@ -88,7 +90,7 @@ class Observer:
         self.states: list[Array] = [np.zeros(0, int) for _ in wishes]
 
     def __call__(self, batch: Batch, members: Sequence[int], k: int, t_us: int) -> None:
-        first, every = (round(x / self.one.step_s) for x in (FIRST_S, EVERY_S))
+        first, every = (round(x / self.one.step_s) for x in (FIRST_S, every_s(self.one)))
         for run, member in enumerate(members):
             rows = list(batch.agents(run))
             if k == 0 and self.one.formation:
@@ -112,8 +114,45 @@ class Observer:
         return table_message(epoch, members, turns=turns, assign=assign, in_s=1.0)
 
 
-def drawn(generator: np.random.Generator, boats: int) -> Wish:
-    """A shape that this many boats have."""
+def fleet(boats: int, *, turns: bool, hull: str = "") -> Scenario:
+    """Boats of `lead`, or of another hull, behind a plan as much larger."""
+    own = presets.load(hull) if hull else None
+    times = size_of(own.vessel.length_m) if own else 1.0
+    speed_mps = own.cruise.speed_mps if own else SPEED_MPS
+    slower = max(times * SPEED_MPS / speed_mps, 1.0)
+    base = scenario.load(
+        "lead",
+        [
+            *SETTINGS,
+            f"duration_s={FIRST_S + EACH * slower * EVERY_S}",
+            f"leader.waypoints={[[times * x, times * y] for x, y in ROUTE_M]}",
+            f"leader.corner_radius_m={times * CORNER_M}",
+            f"formation.boats={boats}",
+            f"formation.spacing_m={times * SPACING_M}",
+            f"formation.shape={'vee' if turns else 'column'}",
+            f"formation.turns={str(turns).lower()}",
+            f"leader.speed_mps={speed_mps}",
+        ],
+    )
+    if own is None:
+        return base
+    told = {**base.parameters, **presets.firmware(own), "WP_RADIUS": times * WP_RADIUS_M}
+    parts = {"vessel": own.vessel, "propellers": own.propellers, "parameters": told}
+    return base.model_copy(update=parts)
+
+
+def every_s(one: Scenario) -> float:
+    """From one change to the next."""
+    return (one.duration_s - FIRST_S) / EACH
+
+
+def size_of(length_m: float) -> float:
+    """Of a hull, as a multiple of `lead`'s; hulls without a length count as that."""
+    return max(length_m / scenario.load("lead").vessel.length_m, 1.0)
+
+
+def drawn(generator: np.random.Generator, boats: int, times: float = 1.0) -> Wish:
+    """A shape that this many boats have, so many times as large as for the boats of `lead`."""
     while True:
         shape: Shape = generator.choice(get_args(Shape))
         spacing_m = round(float(generator.uniform(3.5, 6.0)), 1)
@@ -121,15 +160,17 @@ def drawn(generator: np.random.Generator, boats: int) -> Wish:
             places = slots(Formation(shape=shape, boats=boats, spacing_m=spacing_m))
         except ValueError:
             continue  # a diamond of five
-        ahead, starboard = places[0]
-        return Wish(shape, spacing_m, [(x - ahead, y - starboard) for x, y in places])
+        x0, y0 = places[0]
+        moved = [(times * (x - x0), times * (y - y0)) for x, y in places]
+        return Wish(shape, times * spacing_m, moved)
 
 
-def intercept_s(to_m: Array, mps: Array) -> Array:
-    """Until a boat at U_MAX_MPS is at a place `to_m` away that moves; (n, 2) each."""
-    a = U_MAX_MPS**2 - (mps**2).sum(-1)
-    b = (to_m * mps).sum(-1)
-    return (b + np.sqrt(b**2 + a * (to_m**2).sum(-1))) / a
+def intercepted_s(places: Array, starts: Array) -> float:
+    """Until boats at U_MAX_MPS can all be at places that move: (times, boats, 2), (boats, 2)."""
+    away = places - starts
+    reach = U_MAX_MPS * STEP_S * np.arange(len(places))
+    met = np.hypot(away[..., 0], away[..., 1]) <= reach[:, None] + 1e-9
+    return float(STEP_S * met.argmax(axis=0).max()) if met.any(axis=0).all() else np.inf
 
 
 def nearest_m(eta: Array) -> float:
@@ -161,6 +202,11 @@ def in_shape(off: Array, v: Array, *, turns: bool) -> Array:
     return np.stack([c * off[..., 0] + s * off[..., 1], c * off[..., 1] - s * off[..., 0]], -1)
 
 
+def from_shape(off: Array, v: Array, *, turns: bool) -> Array:
+    """The reverse."""
+    return in_shape(off, v * (1.0, -1.0), turns=turns)
+
+
 def reached(end: Array, told: Array) -> tuple[Array, float]:
     """Which place each boat took, (boats, 2), and the farthest boat's distance from it.
 
@@ -177,17 +223,19 @@ def reached(end: Array, told: Array) -> tuple[Array, float]:
     return best
 
 
-def judge(wish: Wish, eta: Array, states: Array, *, turns: bool) -> Change:
+def judge(wish: Wish, eta: Array, states: Array, *, turns: bool, length_m: float = 0.0) -> Change:
     """`eta`: (times, boats, 3), from the request to the next one."""
+    near_m = NEAR_M * size_of(length_m)
+    turn_s = 2.0 * np.pi / R_MAX_RADPS * max(length_m / LONG_M, 1.0)
     v = velocity_of(eta)
     place = in_shape(eta[..., :2] - eta[:, :1, :2], v, turns=turns)
     goals, off_m = reached(place[-1], np.array(wish.places))
     to = place - goals
     far = np.hypot(to[..., 0], to[..., 1]).max(axis=1)
     stay = round(STAY_S / STEP_S)
-    still = np.flatnonzero(np.convolve(far > NEAR_M, np.ones(stay), "valid") == 0)
+    still = np.flatnonzero(np.convolve(far > near_m, np.ones(stay), "valid") == 0)
     first = int(still[0]) if len(still) else len(far)
-    speed = in_shape(v[:1, None], v[:1], turns=turns)[0]
+    places = eta[:, :1, :2] + from_shape(np.broadcast_to(goals, place.shape), v, turns=turns)
     sails = [flotilla.STATES.index(state) for state in ("AUTO", "FORMATION")]
     return Change(
         boats=len(goals),
@@ -196,26 +244,21 @@ def judge(wish: Wish, eta: Array, states: Array, *, turns: bool) -> Change:
         far_m=float(far[0]),
         nearest_m=nearest_m(eta),
         arrived_s=STEP_S * first if len(still) else np.inf,
-        asked_s=float(intercept_s(-to[0], speed).max()) + SPARE_S,
+        asked_s=intercepted_s(places, eta[0, :, :2]) + turn_s + SPARE_S,
         later_m=float(far[first:].max(initial=0.0)) if len(still) else np.inf,
         off_m=off_m,
         idle=int((~np.isin(states, sails)).sum()),
     )
 
 
-def sail(boats: int, runs: int, seed: int, *, turns: bool) -> list[Change]:
+def sail(boats: int, runs: int, seed: int, *, turns: bool, hull: str = "") -> list[Change]:
     """EACH changes in each of so many runs of a fleet."""
-    settings = (
-        *SETTINGS,
-        f"formation.boats={boats}",
-        "formation.spacing_m=5.0",
-        f"formation.shape={'vee' if turns else 'column'}",
-        f"formation.turns={str(turns).lower()}",
-    )
-    base = scenario.load("lead", settings)
+    base = fleet(boats, turns=turns, hull=hull)
+    length_m = base.vessel.length_m
     chosen = [base.model_copy(update={"seed": seed + run}) for run in range(runs)]
     generator = np.random.default_rng([seed, boats, turns])
-    wishes = [[drawn(generator, boats) for _ in range(EACH)] for _ in range(runs)]
+    times = size_of(length_m)
+    wishes = [[drawn(generator, boats, times) for _ in range(EACH)] for _ in range(runs)]
     observer = Observer(base, wishes)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(f"{boats} boats", total=1.0)
@@ -233,9 +276,10 @@ def sail(boats: int, runs: int, seed: int, *, turns: bool) -> list[Change]:
     for run in range(runs):
         eta = np.array(observer.eta[run])
         for number, wish in enumerate(wishes[run]):
-            begin, end = (round((FIRST_S + (number + i) * EVERY_S) / STEP_S) for i in (0, 1))
+            begin, end = (round((FIRST_S + (number + i) * every_s(base)) / STEP_S) for i in (0, 1))
             part = eta[begin : min(end, len(eta))]
-            changes.append(judge(wish, part, observer.states[run], turns=turns))
+            states = observer.states[run]
+            changes.append(judge(wish, part, states, turns=turns, length_m=length_m))
     return changes
 
 
@@ -246,6 +290,7 @@ def main() -> None:
     )
     parser.add_argument("--changes", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--hull", choices=presets.names(), default="")
     parser.add_argument("--boats", nargs="+", type=int, default=[4, 6, 8, 9, 12, 16, 20])
     given = parser.parse_args()
     runs = max(1, round(given.changes / EACH / len(given.boats)))
@@ -253,7 +298,7 @@ def main() -> None:
     print("|", " | ".join([*names, "later", "off", "idle"]), "|")
     changes = []
     for boats in given.boats:
-        for it in sail(boats, runs, given.seed, turns=boats == TURNING):
+        for it in sail(boats, runs, given.seed, turns=boats == TURNING, hull=given.hull):
             changes.append(it)
             times, off = [it.arrived_s, it.asked_s], [it.later_m, it.off_m]
             figures = [it.spacing_m, it.far_m, it.nearest_m, *times, *off]

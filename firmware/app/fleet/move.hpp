@@ -14,8 +14,8 @@ namespace flotilla::app {
 
 constexpr double kMoveRamp_s = 4;
 
-/// A boat turns about in some 5 s while its place moves (core/controller.hpp). It begins half of that
-/// time before its place reverses: a multiple of the time after which slots are set anew.
+/// A boat of 1.2 m turns about in some 5 s while its place moves (guidance/moving_slot.hpp). It begins
+/// half of that time before its place reverses.
 constexpr double kTurnAhead_s = 2.4;
 
 struct FleetMove {

@@ -223,9 +223,15 @@ core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_law(const core::Traffic<S>* traffic, S dt) {
-  const core::SlotParams<S> own_slot = std::exchange(law_.controller.slot, follower_.lead().slot);
+  core::ControllerParams<S>& law = law_.controller;
+  const core::SlotParams<S> own_slot = std::exchange(law.slot, follower_.lead().slot);
+  const core::VirtualVelocityParams<S> usual = law.outer;
+  const core::LineOfSightParams<S> usual_sight = law.sight;
+  if (kMoves && slot_moves_) hasten(law.outer, law.sight);
   const auto out = follower_.step(law_, own_, traffic, dt);
-  law_.controller.slot = own_slot;
+  law.slot = own_slot;
+  law.outer = usual;
+  law.sight = usual_sight;
   own_.desire(out.desired.nu_star);
   return out;
 }

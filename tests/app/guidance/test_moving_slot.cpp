@@ -94,5 +94,13 @@ TEST_CASE("a boat turns about before its slot does, whether the slot turns aster
   }
 }
 
+TEST_CASE("behind a slot that moves a boat turns and closes up twice as fast") {
+  core::VirtualVelocityParams<double> gains{0.2, 0.5, 1.5, 0.8};
+  core::LineOfSightParams<double> sight{2};
+  hasten(gains, sight);
+  CHECK((gains.k_x == 0.4 && gains.k_psi == 1 && sight.Delta == 1));
+  CHECK((gains.u_max == 1.5 && gains.r_max == 0.8));
+}
+
 }  // namespace
 }  // namespace flotilla::app
