@@ -39,7 +39,7 @@ bool Membership::obey(FleetOrder order) {
       vehicle_.obey(core::Request::kFormation, counters_);
       break;
     case FleetOrder::kStop:
-      vehicle_.obey(core::Request::kHold, counters_);
+      if (vehicle_.obey_stop(counters_)) fleet().stopped();
       break;
   }
   return true;

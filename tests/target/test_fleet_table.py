@@ -4,7 +4,9 @@
 import pytest
 
 from sil.wire.fleet_table import Member, digest_of, table_message
-from tests.target.sea import TURN, Sea, texts
+from tests.target.sea import TURN, Sea, at_sea, texts
+from tests.target.stations import FORMATION, HOLD, SET_MODE, command_long
+from tests.target.test_rc import WITH_RC, hold, rc
 
 LENGTH_M = 1.3
 FLEET = [Member(1, 0, (0.0, 0.0), LENGTH_M), Member(2, 1, (-4.0, -4.0), LENGTH_M)]
@@ -68,6 +70,34 @@ def test_a_stop_ends_a_motor_test() -> None:
     assert sea.state == "TEST"
     sea.boat.on_mavlink(table_message(4, FLEET, stop=True), sea.now_us)
     assert_stopped(sea)
+
+
+def test_a_stop_ends_a_pilots_thrust_until_the_sticks_were_centred() -> None:
+    sea = at_sea(WITH_RC)
+    sea.boat.on_mavlink(table_message(3, FLEET), sea.now_us)
+    hold(sea, rc(on=True), 0.3)
+    hold(sea, rc(ahead=0.25, on=True), 0.3)
+    assert sea.state == "MANUAL" and any(sea.commands)
+    begun = len(sea.ticks)
+    sea.boat.on_mavlink(table_message(4, FLEET, stop=True), sea.now_us)
+    hold(sea, rc(ahead=0.25, on=True), 0.3)
+    assert sea.commands == (0, 0)
+    hold(sea, rc(on=True), 0.3)
+    hold(sea, rc(ahead=0.25, on=True), 0.3)
+    assert sea.state == "MANUAL" and any(sea.commands)
+    assert len(texts(sea.ticks[begun:])) < 8
+
+
+def test_a_stop_drops_a_request_that_came_before_it_in_the_same_tick() -> None:
+    sea = member()
+    sea.mode(HOLD)
+    sea.run(0.2)
+    sea.say(command_long(SET_MODE, 1.0, float(FORMATION)))
+    sea.boat.on_mavlink(table_message(4, FLEET, stop=True), sea.now_us)
+    assert_stopped(sea)
+    sea.mode(FORMATION)
+    sea.run(0.2)
+    assert sea.state == "FORMATION"
 
 
 def test_an_earlier_stop_that_is_repeated_does_not_stop_the_boat_again() -> None:

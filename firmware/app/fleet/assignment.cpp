@@ -127,10 +127,10 @@ double room_cm(const FleetTable& table, Now now) {
   return least;
 }
 
-/// Velocity over ground of a place of the shape, m/s, in the shape's axes.
-Way velocity(bool turns, const FleetSlot& place, const FleetCourse& root) {
+/// Velocity over ground of a place that is so far from the root's, m/s, in the shape's axes.
+Way velocity(bool turns, const Way& place, const FleetCourse& root) {
   const double u = root.ahead_mps, r = root.turn_radps;
-  if (turns) return {u - r * place[1] / 100, r * place[0] / 100};
+  if (turns) return {u - r * place.y / 100, r * place.x / 100};
   return {u * std::cos(double{root.heading_rad}), u * std::sin(double{root.heading_rad})};
 }
 
@@ -146,15 +146,18 @@ double lasts_s(const Way& d, const Way& v, double most_mps) {
 
 /// How long the slowest way takes if the root sails as at one instant, s; ways are relative to the
 /// root's.
-double slowest_s(const FleetTable& table, Now now, const FleetCourse& root, double most_mps) {
-  const Way of_root = now[0] ? way_of(table.members[0].slot_cm, *now[0]) : Way{};
+double slowest_s(const FleetTable& table, Now now, std::size_t root, const FleetCourse& course,
+                 double most_mps) {
+  const FleetSlot& root_to = table.members[root].slot_cm;
+  const FleetSlot root_from = now[root].value_or(root_to);
   double slowest = 0;
-  for (std::size_t rank = 1; rank < table.count; ++rank) {
-    if (!now[rank]) continue;
-    const FleetSlot& to = table.members[rank].slot_cm;
-    const Way d = way_of(to, *now[rank]) - of_root;
-    for (const FleetSlot& place : {*now[rank], to}) {
-      slowest = std::max(slowest, lasts_s(d, velocity(table.turns, place, root), most_mps));
+  for (std::size_t rank = 0; rank < table.count; ++rank) {
+    if (!now[rank] || rank == root) continue;
+    const Way from = way_of(*now[rank], root_from);
+    const Way to = way_of(table.members[rank].slot_cm, root_to);
+    for (const Way& place : {from, to}) {
+      slowest =
+          std::max(slowest, lasts_s(to - from, velocity(table.turns, place, course), most_mps));
     }
   }
   return slowest;
@@ -162,12 +165,13 @@ double slowest_s(const FleetTable& table, Now now, const FleetCourse& root, doub
 
 /// Until the last boat has reached its place, 0.1 s: the way that is slowest at any instant of the
 /// move decides.
-std::uint16_t moves_ds(const FleetTable& table, Now now, const FleetOutlook& outlook) {
+std::uint16_t moves_ds(const FleetTable& table, Now now, std::size_t root,
+                       const FleetOutlook& outlook) {
   const double most_mps = 0.97 * (outlook.most_mps > 0 ? double{outlook.most_mps} : 1.5);
   double slowest = 0;
   for (std::size_t k = 0; k < outlook.count; ++k) {
     if (k > 0 && slowest + kMoveRamp_s < static_cast<double>(k) * FleetOutlook::kEvery_s) break;
-    slowest = std::max(slowest, slowest_s(table, now, outlook.at[k], most_mps));
+    slowest = std::max(slowest, slowest_s(table, now, root, outlook.at[k], most_mps));
   }
   if (!(slowest > 0)) return 0;
   const double all_s = std::max(slowest, kShortest_s) + kMoveRamp_s;
@@ -176,14 +180,15 @@ std::uint16_t moves_ds(const FleetTable& table, Now now, const FleetOutlook& out
 
 }  // namespace
 
-FleetTable assigned(const FleetTable& wanted, Now now, const FleetOutlook& outlook) {
+FleetTable assigned(const FleetTable& wanted, Now now, std::size_t root,
+                    const FleetOutlook& outlook) {
   FleetTable table = matched(wanted, now, false);
   if (const double room = room_cm(table, now); room < 0) {
     const FleetTable free = matched(wanted, now, true);
     if (room_cm(free, now) > room) table = free;
   }
   table.assigns = false;
-  table.move_ds = moves_ds(table, now, outlook);
+  table.move_ds = moves_ds(table, now, root, outlook);
   return table_of(message_of(table, 0));  // with its digest
 }
 

@@ -42,8 +42,8 @@ struct FleetOutlook {
 /// The table with its places given anew to its members. `now`: their present places, by rank in
 /// `wanted`; nothing for who has none yet. Who follows nobody, or only leads, keeps its place,
 /// unless somebody's way would pass it too near: then all places are free. The move begins with the
-/// outlook.
+/// outlook, which is that of the member of rank `root`.
 FleetTable assigned(const FleetTable& wanted, std::span<const std::optional<FleetSlot>> now,
-                    const FleetOutlook& outlook);
+                    std::size_t root, const FleetOutlook& outlook);
 
 }  // namespace flotilla::app

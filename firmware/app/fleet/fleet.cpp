@@ -20,11 +20,16 @@ constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 constexpr std::int64_t kMore_us = 200'000;
 // Only the leader knows its plan: another boat that hears a request leaves it that long to it.
 constexpr std::int64_t kLeaders_us = 1'500'000;
+// Only a boat with a place knows where the others begin: one without leaves the request that long to
+// all others, and gets their table meanwhile.
+constexpr std::int64_t kMembers_us = 6'000'000;
 // A boat gets a newer table within this time, if any member holds it. After that, a member that still
 // names the greater epoch is faulty: it no longer counts as a leader.
 constexpr std::uint32_t kAhead_ms = 10'000;
 // While a shape changes the slots are set anew that often; between, the law has their speed.
 constexpr std::int64_t kMove_us = 200'000;
+constexpr auto kTurnAhead_us = static_cast<std::int64_t>(1e6 * kTurnAhead_s);
+static_assert(kTurnAhead_us % kMove_us == 0);  // or slots would be set anew twice as often
 // Until boats have turned to the leader's course again, and are in their new slots.
 constexpr double kSettle_s = 15;
 
@@ -93,13 +98,19 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
     refusal_ = verdict;
     return;
   }
-  const std::int64_t valid_us = now_us + std::int64_t{message.in_ms} * 1000;
+  const std::int64_t valid_us = now_us + 1000 * in_ms_of(message);
   if (!table.assigns) {
     take(table, valid_us, now_us);
   } else if (table.epoch > held.epoch && !(wish_ && table.epoch <= wish_->table.epoch)) {
-    const bool own = succession_.leads() || succession_.leader() == Succession::kNobody;
-    wish_ = {table, valid_us, own ? now_us : now_us + kLeaders_us};
+    if (const auto wait_us = gives_in(table)) wish_ = {table, valid_us, now_us + *wait_us};
   }
+}
+
+/// How long this boat leaves a request to others, who may know more; nothing: for ever.
+std::optional<std::int64_t> Fleet::gives_in(const FleetTable& wanted) const {
+  const bool has_place = rank_in(ledger_.current(), system_).has_value();
+  if (!has_place) return is_of(wanted, system_) ? std::optional(kMembers_us) : std::nullopt;
+  return succession_.leads() || succession_.leader() == Succession::kNobody ? 0 : kLeaders_us;
 }
 
 void Fleet::take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us) {
@@ -124,17 +135,30 @@ void Fleet::give_places(const FleetOutlook& outlook, std::int64_t now_us) {
     const auto place = place_of(member.system, valid_us);
     return place ? std::optional(rest_of(*place, fades_s(valid_us, kMoveRamp_s))) : std::nullopt;
   });
-  take(assigned(wish.table, places, outlook), valid_us, now_us);
+  const std::size_t leader = succession_.leader();
+  const auto root = leader == Succession::kNobody
+                        ? std::nullopt
+                        : wish.table.rank_of(ledger_.current()->members[leader].system);
+  const FleetTable given = assigned(wish.table, places, root.value_or(0), outlook);
+  // Hulls differ: places that suit the boats of the request may be too near for others.
+  if (const TableVerdict verdict = verdict_of(given); verdict.fault != TableFault::kNone) {
+    refusal_ = verdict;
+  } else {
+    take(given, valid_us, now_us);
+  }
 }
 
 void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const FleetTable& held = ledger_.newest();
   if (held.epoch == 0) {
-    asks_ = asks_ || beacon.epoch != 0;
+    if (beacon.epoch != 0) {
+      asks_ = true;
+      wish_.reset();  // others know more
+    }
     return;
   }
-  const auto rank = held.rank_of(from);
-  if (!rank) return;
+  // Who is left out of a table has to know it, or it may take the place of a leader that it replaces.
+  if (!is_of(held, from) && !ledger_.replaces(beacon.epoch, beacon.digest)) return;
   FleetTable theirs;
   theirs.epoch = beacon.epoch;
   theirs.digest = beacon.digest;
@@ -160,16 +184,18 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   }
 }
 
-/// Members' last beacons stay valid in a new table.
+/// Members' last beacons stay valid in a new table. A boat that gets it late is in step with the
+/// others at once.
 void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
+  const std::int64_t begun_us = std::min(now_us, ledger_.valid_us());
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
   const FleetTable next = ledger_.newest();
   std::array<FleetSlot, FleetTable::kMost> from_cm{};
   std::array<FleetSlot, FleetTable::kMost> carried_cmps{};
-  const double fades = fades_s(now_us, 0.1 * next.move_ds / 2);
+  const double fades = fades_s(begun_us, 0.1 * next.move_ds / 2);
   for (std::size_t rank = 0; rank < next.count; ++rank) {
     const FleetMember& member = next.members[rank];
-    const auto place = place_of(member.system, now_us);
+    const auto place = place_of(member.system, begun_us);
     from_cm[rank] = member.slot_cm;
     if (!place || before.turns != next.turns) continue;
     from_cm[rank] = rest_of(*place, fades);
@@ -180,7 +206,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   carried_cmps_ = carried_cmps;
   fades_s_ = fades;
   // In step with the old move, whose places stand still between two instants.
-  begun_us_ = before.count > 0 ? now_us - (now_us - begun_us_) % kMove_us : now_us;
+  begun_us_ = before.count > 0 ? begun_us - (begun_us - begun_us_) % kMove_us : begun_us;
   const auto peers = std::exchange(peers_, {});
   const auto heard = std::exchange(heard_, {});
   for (std::size_t rank = 0; rank < before.count; ++rank) {
@@ -228,8 +254,8 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
     const bool follows = core::follows(state);
     const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
     order = succession_.step(*table,
-                             {*rank, follows && report.fit && !by_hand_, drives,
-                              core::sails_alone(state), ordered, by_hand_},
+                             {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_,
+                              drives, core::sails_alone(state), ordered, by_hand_},
                              std::span(peers_).first(table->count));
     if (order == FleetOrder::kLead && !is_most(*table, *rank, peers_)) place_ = {};
     next = by_hand_ ? std::nullopt : hang(*rank, now_us);
@@ -240,12 +266,16 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   slot_motion_ = slot_motion;
   hang_ = next;
   speak(report, now_us);
-  stops_ = stops_ && (drives || state == core::State::kTest);
   return stops_ ? FleetOrder::kStop : order;
 }
 
+void Fleet::stopped() {
+  stops_ = false;
+  succession_.stopped();
+}
+
 double Fleet::since_s(std::int64_t now_us) const {
-  const std::int64_t steps = (now_us - begun_us_) / kMove_us;
+  const std::int64_t steps = std::max<std::int64_t>(now_us - begun_us_, 0) / kMove_us;
   return 1e-6 * static_cast<double>(steps * kMove_us);
 }
 
@@ -297,7 +327,7 @@ SlotMotion Fleet::slot_motion(std::size_t own, std::int64_t now_us) const {
   if (root >= table.count) return {};
   const Place here = *place_of(table.members[own].system, now_us);
   const Place there = *place_of(table.members[root].system, now_us);
-  const std::int64_t soon_us = now_us + static_cast<std::int64_t>(1e6 * kTurnAhead_s);
+  const std::int64_t soon_us = now_us + kTurnAhead_us;
   const Place soon = *place_of(table.members[own].system, soon_us);
   const Place root_soon = *place_of(table.members[root].system, soon_us);
   SlotMotion out{.moves = moves(now_us)};
@@ -376,7 +406,7 @@ std::optional<link::FleetTable> Fleet::table(std::int64_t now_us) {
   table_us_ = kNever;
   if (another_did) return std::nullopt;
   passed_us_ = now_us;
-  return message_of(ledger_.newest(), ledger_.in_ms(now_us));
+  return message_of(ledger_.newest(), (ledger_.valid_us() - now_us) / 1000);
 }
 
 }  // namespace flotilla::app

@@ -50,6 +50,9 @@ class Fleet {
   FleetOrder step(const FleetReport& report, const Configuration::Formation& own,
                   std::int64_t leader_limit_us, std::int64_t now_us);
 
+  /// The boat has obeyed kStop, which is ordered until then.
+  void stopped();
+
   /// applied() has changed since the last call.
   bool take_change() { return std::exchange(changed_, false); }
 
@@ -108,6 +111,7 @@ class Fleet {
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   bool is_stop(const FleetTable& table) const;
+  std::optional<std::int64_t> gives_in(const FleetTable& wanted) const;
   std::optional<Place> place_of(std::uint8_t system, std::int64_t now_us) const;
   static FleetSlot rest_of(const Place& place, double fades_s);
   double since_s(std::int64_t now_us) const;

@@ -19,15 +19,15 @@ bool FleetLedger::take(const FleetTable& table, std::int64_t valid_us, std::int6
 
 void FleetLedger::forward(std::int64_t now_us) {
   if (!is_due(now_us)) return;
+  replaced_epoch_ = current_.epoch;
+  replaced_digest_ = current_.digest;
   current_ = *next_;
   next_.reset();
 }
 
-std::uint16_t FleetLedger::in_ms(std::int64_t now_us) const {
-  if (!next_) return 0;
-  constexpr std::int64_t kMost_ms = 65'535;
-  return static_cast<std::uint16_t>(
-      std::clamp<std::int64_t>((valid_us_ - now_us) / 1000, 0, kMost_ms));
+bool FleetLedger::replaces(std::uint16_t epoch, std::uint16_t digest) const {
+  if (next_) return epoch == current_.epoch && digest == current_.digest;
+  return epoch == replaced_epoch_ && digest == replaced_digest_;
 }
 
 }  // namespace flotilla::app

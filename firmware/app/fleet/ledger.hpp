@@ -11,7 +11,7 @@ namespace flotilla::app {
 
 /// The newest table wins: the greater epoch, and of two with one epoch the greater digest, so that
 /// all boats choose the same. Times are the boat's own: a message says how long the table still
-/// waits, and each boat that passes it on takes off how long it has held it.
+/// waits, or how long it has been in force, and each boat that passes it on counts on.
 class FleetLedger {
  public:
   /// A sound table that comes into force at `valid_us`, one that stops all boats at once. False if
@@ -29,13 +29,17 @@ class FleetLedger {
   /// In force or next; epoch 0 if there is none.
   const FleetTable& newest() const { return next_ ? *next_ : current_; }
 
-  /// Until newest() comes into force; 0: it is in force.
-  std::uint16_t in_ms(std::int64_t now_us) const;
+  /// When newest() comes or came into force.
+  std::int64_t valid_us() const { return valid_us_; }
+
+  /// Whether that is the table which newest() replaces.
+  bool replaces(std::uint16_t epoch, std::uint16_t digest) const;
 
  private:
   FleetTable current_;
   std::optional<FleetTable> next_;
-  std::int64_t valid_us_ = 0;  // of next_
+  std::int64_t valid_us_ = 0;                               // of newest()
+  std::uint16_t replaced_epoch_ = 0, replaced_digest_ = 0;  // by current_
 };
 
 /// Whether a table with this epoch and digest replaces that one.

@@ -9,16 +9,16 @@ namespace {
 constexpr std::uint32_t bit(std::size_t rank) { return std::uint32_t{1} << rank; }
 
 /// The member that leads by the higher (epoch, rank); kNobody if none does.
-std::size_t best_leader(const FleetTable& table, std::size_t own,
+std::size_t best_leader(const FleetTable& table, const FleetSelf& self,
                         std::span<const FleetPeer> peers) {
   std::size_t best = Succession::kNobody;
   const auto epoch_of = [&](std::size_t rank) {
-    return table.members[rank].only_leads ? table.epoch : peers[rank].epoch;
+    return table.members[rank].only_leads ? self.epoch : peers[rank].epoch;
   };
   for (std::size_t rank = 0; rank < table.count; ++rank) {
     const FleetMember& member = table.members[rank];
     const bool leads = member.can_lead && (member.only_leads || peers[rank].leads);
-    if (rank == own || !peers[rank].heard || !leads) continue;
+    if (rank == self.rank || !peers[rank].heard || !leads) continue;
     if (best == Succession::kNobody || epoch_of(best) < epoch_of(rank)) best = rank;
   }
   return best;
@@ -60,11 +60,10 @@ void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
 void Succession::choose(const FleetTable& table, const FleetSelf& self,
                         std::span<const FleetPeer> peers) {
   const bool can_lead = table.members[self.rank].can_lead && !self.by_hand && !stopping_;
-  const std::size_t other = best_leader(table, self.rank, peers);
-  const bool older =
-      other != kNobody && !table.members[other].only_leads && peers[other].epoch < table.epoch;
-  const bool newer =
-      other != kNobody && !table.members[other].only_leads && peers[other].epoch > table.epoch;
+  const std::size_t other = best_leader(table, self, peers);
+  const bool has_epoch = other != kNobody && !table.members[other].only_leads;
+  const bool older = has_epoch && peers[other].epoch < self.epoch;
+  const bool newer = has_epoch && peers[other].epoch > self.epoch;
   const bool yields = newer || (other < self.rank && !older);
   const bool led = std::exchange(leads_, false);
   if (led && yields) yielding_ = true;

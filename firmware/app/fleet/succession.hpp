@@ -22,11 +22,12 @@ struct FleetPeer {
 /// This boat.
 struct FleetSelf {
   std::size_t rank = 0;
-  bool fit = false;      ///< FORMATION or COAST, and could begin LOITER
-  bool drives = false;   ///< any mode with thrust
-  bool alone = false;    ///< a mode without a leader
-  bool ordered = false;  ///< AUTO or GUIDED, which only an operator or this class begins
-  bool by_hand = false;  ///< an operator has set its leader or slot since the table came
+  std::uint16_t epoch = 0;  ///< of the newest table that it holds, as its beacons name it
+  bool fit = false;         ///< FORMATION or COAST, and could begin LOITER
+  bool drives = false;      ///< any mode with thrust
+  bool alone = false;       ///< a mode without a leader
+  bool ordered = false;     ///< AUTO or GUIDED, which only an operator or this class begins
+  bool by_hand = false;     ///< an operator has set its leader or slot since the table came
 };
 
 /// The rule's request to the boat's supervisor; repeated in each step until it is done.
@@ -51,6 +52,9 @@ class Succession {
 
   /// Decides anew. `peers`: by rank, this boat's own is not read.
   FleetOrder step(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
+
+  /// The boat has obeyed kStop.
+  void stopped() { stopping_ = false; }
 
   bool leads() const { return leads_; }
 

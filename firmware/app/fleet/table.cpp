@@ -7,8 +7,9 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::size_t kBytes = 8;  // of a member
-constexpr std::uint8_t kTurns = 1, kStop = 2, kAssigns = 4;
+constexpr std::uint8_t kTurns = 1, kStop = 2, kAssigns = 4, kInForce = 8;
 constexpr std::uint8_t kCanLead = 1, kOnlyLeads = 2;
+constexpr std::int64_t kSince_ms = 100;  // unit of in_ms with kInForce
 
 static_assert(sizeof(link::FleetTable::members) == kBytes * FleetTable::kMost);
 
@@ -94,13 +95,20 @@ FleetTable table_of(const link::FleetTable& message) {
   return table;
 }
 
-link::FleetTable message_of(const FleetTable& table, std::uint16_t in_ms) {
+std::int64_t in_ms_of(const link::FleetTable& message) {
+  const bool in_force = (message.flags & kInForce) != 0;
+  return std::int64_t{message.in_ms} * (in_force ? -kSince_ms : 1);
+}
+
+link::FleetTable message_of(const FleetTable& table, std::int64_t in_ms) {
   link::FleetTable message{};
-  message.in_ms = in_ms;
+  const std::int64_t told = in_ms < 0 ? (kSince_ms / 2 - in_ms) / kSince_ms : in_ms;
+  message.in_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(told, 65'535));
   message.epoch = table.epoch;
   message.move_ds = table.move_ds;
-  message.flags = static_cast<std::uint8_t>(
-      (table.turns ? kTurns : 0U) | (table.stop ? kStop : 0U) | (table.assigns ? kAssigns : 0U));
+  message.flags =
+      static_cast<std::uint8_t>((table.turns ? kTurns : 0U) | (table.stop ? kStop : 0U) |
+                                (table.assigns ? kAssigns : 0U) | (in_ms < 0 ? kInForce : 0U));
   std::uint8_t* byte = message.members.data();
   for (const FleetMember& member : table.all()) {
     *byte++ = member.system;

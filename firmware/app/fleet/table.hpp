@@ -62,6 +62,8 @@ Sentence sentence_of(const TableVerdict& refused);
 
 /// A table as the wire has it. A whole table is one message: nobody ever holds a part of one.
 FleetTable table_of(const link::FleetTable& message);
-link::FleetTable message_of(const FleetTable& table, std::uint16_t in_ms);
+/// in_ms: until it comes into force; negative: since then.
+link::FleetTable message_of(const FleetTable& table, std::int64_t in_ms);
+std::int64_t in_ms_of(const link::FleetTable& message);
 
 }  // namespace flotilla::app

@@ -59,6 +59,15 @@ class Inbox {
 
   bool is_empty() const { return count_ == 0; }
 
+  /// Removes the requests for which a predicate is true; returns how many.
+  template <class Predicate>
+  std::uint32_t drop(Predicate predicate) {
+    const auto end = pending_.begin() + static_cast<std::ptrdiff_t>(count_);
+    const auto dropped = end - std::remove_if(pending_.begin(), end, predicate);
+    count_ -= static_cast<std::size_t>(dropped);
+    return static_cast<std::uint32_t>(dropped);
+  }
+
   enum class Taken : std::uint8_t {
     kAnswered,
     kKept,  ///< until the next call

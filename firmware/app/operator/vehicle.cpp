@@ -248,6 +248,13 @@ bool Vehicle::obey(Request request, link::Counters& counters) {
   return decision.granted;
 }
 
+bool Vehicle::obey_stop(link::Counters& counters) {
+  counters.requests_dropped += inbox_.drop(undoes_stop);
+  const State state = supervisor_.state();
+  const bool drives = core::law_drives(state) || state == State::kManual || state == State::kTest;
+  return !drives || obey(Request::kHold, counters);
+}
+
 bool Vehicle::answer(link::Counters& counters) {
   using Taken = Inbox::Taken;
   const auto answer_one = [&](const PendingRequest& pending) {

@@ -72,6 +72,10 @@ class Vehicle {
   /// refused.
   bool obey(core::Request request, link::Counters& counters);
 
+  /// A stop by the fleet: HOLD, if the boat is under way; requests that would undo it are dropped.
+  /// False if the boat still drives.
+  bool obey_stop(link::Counters& counters);
+
   /// Call while a stop switch is pressed: FAULT until an operator disarms the boat after its
   /// release.
   void stop(link::Counters& counters);

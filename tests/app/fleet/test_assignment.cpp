@@ -73,7 +73,7 @@ TEST_CASE("no other choice of places has a smaller sum of squared ways") {
     const std::size_t count = 2 + static_cast<std::size_t>(round) % 5;
     const auto now_at = drawn(generator, count), places = drawn(generator, count);
     const Now now(now_at.begin(), now_at.end());
-    const FleetTable table = assigned(table_of(places), now, kUnderWay);
+    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay);
     double got = 0;
     for (std::size_t i = 0; i < count; ++i) got += square(table.members[i].slot_cm, now_at[i]);
     const bool leader_stays = table.members[0].slot_cm == places[0];
@@ -95,7 +95,7 @@ TEST_CASE("on straight ways no two boats come nearer than 1.2 hulls; two, if the
     const std::size_t count = 2 + static_cast<std::size_t>(round) % 23;
     const auto now_at = drawn(generator, count), places = drawn(generator, count);
     const Now now(now_at.begin(), now_at.end());
-    const FleetTable table = assigned(table_of(places), now, kUnderWay);
+    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay);
     const bool stays = table.members[0].slot_cm == places[0];
     led_from_elsewhere += stays ? 0 : 1;
     for (std::size_t i = 0; i < count; ++i) {
@@ -113,7 +113,7 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
     auto places = drawn(generator, count);
     Now now(count);
     for (std::size_t i = 0; i < count; i += 2) now[i] = places[count - 1 - i];
-    const FleetTable table = assigned(table_of(places), now, kUnderWay);
+    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay);
     std::vector<FleetSlot> given;
     for (const FleetMember& member : table.all()) given.push_back(member.slot_cm);
     std::ranges::sort(given);
@@ -127,7 +127,7 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
 double seconds(FleetSlot from, FleetSlot to, const FleetOutlook& outlook, bool turns = false) {
   FleetTable wanted = table_of({{0, 0}, to});
   wanted.turns = turns;
-  return assigned(wanted, Now{FleetSlot{0, 0}, from}, outlook).move_ds / 10.0 - kMoveRamp_s;
+  return assigned(wanted, Now{FleetSlot{0, 0}, from}, 0, outlook).move_ds / 10.0 - kMoveRamp_s;
 }
 
 TEST_CASE("the time is that of the longest way at what the boats can do") {
@@ -144,6 +144,17 @@ TEST_CASE("the time is that of the longest way at what the boats can do") {
   CHECK(seconds({-400, 0}, {-2400, 0}, straight(0)) == doctest::Approx(20 / kMost).epsilon(0.01));
   CHECK(seconds({-400, 0}, {-2400, 0}, straight(0.6F, 1.5708F)) ==
         doctest::Approx(20 / abeam).epsilon(0.01));
+}
+
+TEST_CASE("ways are relative to the boat that leads, whichever rank it has") {
+  for (const std::size_t root : {0U, 1U}) {
+    FleetTable wanted = table_of({{0, 0}, {0, 0}});
+    wanted.members[root].slot_cm = {-400, 0};
+    wanted.members[1 - root].slot_cm = {2600, 0};
+    const Now now{FleetSlot{-400, 0}, FleetSlot{-400, 0}};
+    CHECK(assigned(wanted, now, root, kUnderWay).move_ds / 10.0 - kMoveRamp_s ==
+          doctest::Approx(30 / (0.97 * 1.5 - 0.6)).epsilon(0.01));
+  }
 }
 
 TEST_CASE("a turn of the leader counts if it comes while the boats move") {

@@ -27,6 +27,9 @@ struct Boat {
   float most_mps = 1.5F;
   bool on = true;
   std::size_t bytes = 0;
+  int stops = 0;
+
+  bool moves(std::int64_t now_us) const { return fleet.moves(now_us + clock_us); }
 };
 
 /// Boats that hear each other without loss; the radio can be cut.
@@ -77,7 +80,11 @@ struct Harbour {
           boat.state = planned ? core::State::kAuto : core::State::kLoiter;
         }
         if (boat.order == FleetOrder::kFollow) boat.state = core::State::kFormation;
-        if (boat.order == FleetOrder::kStop) boat.state = core::State::kHold;
+        if (boat.order == FleetOrder::kStop) {
+          boat.state = core::State::kHold;
+          boat.fleet.stopped();
+          ++boat.stops;
+        }
         if (const auto beacon = boat.fleet.beacon(clock_us)) spread(i, *beacon, 24);
         if (const auto table = boat.fleet.table(clock_us)) spread(i, *table, 49);
       }
@@ -192,6 +199,91 @@ TEST_CASE(
   CHECK(harbour.applied(3).FORM_OFS_E < 15);
 }
 
+TEST_CASE("a boat without a table leaves a request to those that have one") {
+  Harbour harbour = under_way();
+  FleetTable wish = table_of_four(2);
+  wish.assigns = true;
+  wish.members[3].slot_cm = {-1200, 1500};
+  wish.members[4] = {.system = 5, .leader = 1, .length_dm = 13, .slot_cm = {-2000, 0}};
+  wish.count = 5;
+  for (const std::uint8_t system : {std::uint8_t{5}, std::uint8_t{6}}) {
+    harbour.boats.push_back({.system = system, .state = core::State::kFormation});
+  }
+  for (std::size_t i = 6; i-- > 0;) harbour.hear(i, message_of(wish, 1000), kOperator);
+  harbour.sail(6);
+  for (std::size_t i = 0; i < 5; ++i) CHECK(harbour.boats[i].moves(harbour.now_us));
+  CHECK(harbour.leader_of(4) == 1);
+}
+
+TEST_CASE("places that are given are judged as a table is: hulls differ") {
+  Harbour harbour = under_way();
+  FleetTable wish = table_of_four(2);
+  wish.assigns = true;
+  wish.members[0].slot_cm = {0, 5000};
+  wish.members[1] = {.system = 2, .leader = 1, .length_dm = 13, .slot_cm = {-800, 0}};
+  wish.members[2] = {.system = 3, .leader = 1, .length_dm = 60, .slot_cm = {5000, 0}};
+  wish.members[3] = {.system = 4, .leader = 1, .length_dm = 60, .slot_cm = {-1200, 0}};
+  harbour.hear(0, message_of(wish, 0), kOperator);
+  harbour.sail(3);
+  const auto refused = harbour.boats[0].fleet.take_refusal();
+  REQUIRE(refused);
+  CHECK(refused->fault == TableFault::kTooClose);
+  CHECK(harbour.boats[0].fleet.take_epoch() == 1);
+}
+
+TEST_CASE("a boat that gets a table late is in step with the others") {
+  for (const double late_s : {1.0, 3.0, 6.0, 9.0}) {
+    CAPTURE(late_s);
+    Harbour harbour = under_way();
+    FleetTable next = table_of_four(2);
+    next.move_ds = 200;
+    next.members[3].slot_cm = {-1200, 1200};
+    const Harbour start = harbour;
+    const auto sail = [&](double silent_s) {
+      harbour.hear(0, message_of(next, 0), kOperator);
+      harbour.boats[3].on = false;
+      harbour.sail(silent_s);
+      harbour.boats[3].on = true;
+      harbour.sail(13 - silent_s);
+      return harbour.applied(3).FORM_OFS_E;
+    };
+    const float late = sail(late_s);
+    harbour = start;
+    CHECK(std::abs(late - sail(0)) < 0.3);  // a radio's delay and 0.2 s between two places
+  }
+}
+
+TEST_CASE("a boat that a new table leaves out gets it, and takes nothing over") {
+  Harbour harbour = under_way();
+  FleetTable next = table_of_four(2);
+  next.members[1] = next.members[3];
+  next.members[2].leader = 1;
+  next.count = 3;
+  harbour.boats[1].on = false;
+  for (const std::size_t i : {0U, 2U, 3U}) harbour.hear(i, message_of(next, 0), kOperator);
+  harbour.sail(0.5);
+  harbour.boats[1].on = true;
+  harbour.sail(4);
+  CHECK(harbour.boats[1].fleet.take_epoch() == 2);
+  harbour.sail(20);
+  CHECK(harbour.boats[1].state == core::State::kFormation);
+  CHECK(harbour.boats[0].state == core::State::kAuto);
+}
+
+TEST_CASE("two boats lead while a table waits: the one of higher rank goes on") {
+  Harbour harbour = under_way();
+  harbour.boats[0].state = core::State::kHold;
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+  harbour.hear(0, message_of(table_of_four(2), 9000), kOperator);
+  harbour.sail(3);
+  harbour.boats[0].state = core::State::kAuto;
+  harbour.sail(3);
+  CHECK(harbour.boats[0].state == core::State::kAuto);
+  CHECK(harbour.boats[1].state == core::State::kFormation);
+  CHECK(harbour.leader_of(1) == 1);
+}
+
 TEST_CASE("a shape that changes again under way: places and speeds go on without a step") {
   for (const double after_s : {1.5, 3.0, 7.0, 11.9, 14.0}) {
     CAPTURE(after_s);
@@ -203,14 +295,14 @@ TEST_CASE("a shape that changes again under way: places and speeds go on without
     harbour.sail(after_s);
     next.epoch = 3;
     next.members[3].slot_cm = {-2200, 400};
-    harbour.hear(0, message_of(next, 0), kOperator);
+    harbour.hear(0, message_of(next, 2000), kOperator);
     const auto place = [&] {
       const Parameters p = harbour.applied(3);
       return std::array{p.FORM_OFS_N, p.FORM_OFS_E};
     };
     auto before = place();
     auto speed = harbour.boats[3].fleet.slot_motion().mps;
-    for (int step = 0; step < 90; ++step) {
+    for (int step = 0; step < 95; ++step) {
       harbour.sail(0.2);
       const auto now = place(), mps = harbour.boats[3].fleet.slot_motion().mps;
       for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -369,6 +461,20 @@ TEST_CASE("a stop reaches all at once; nobody takes over after it") {
   for (const Boat& boat : harbour.boats) CHECK(boat.state == core::State::kHold);
   harbour.sail(20);
   for (const Boat& boat : harbour.boats) CHECK(boat.state == core::State::kHold);
+}
+
+TEST_CASE("a stop is ordered once, whatever the boat does then, and also to a boat in HOLD") {
+  Harbour harbour = under_way();
+  harbour.boats[1].state = core::State::kHold;
+  harbour.boats[2].state = core::State::kManual;
+  for (std::size_t i = 0; i < 4; ++i) {
+    harbour.hear(i, message_of(table_of_four(2, true), 0), kOperator);
+  }
+  for (int tick = 0; tick < 100; ++tick) {
+    harbour.sail(0.01);
+    harbour.boats[2].state = core::State::kManual;  // as an RC pilot's switch does
+  }
+  for (const Boat& boat : harbour.boats) CHECK(boat.stops == 1);
 }
 
 TEST_CASE("a table of a stranger is ignored, an unsound one is refused") {

@@ -36,6 +36,7 @@ struct Fleet {
       if (!alive[i]) continue;
       FleetSelf self = kSails;
       self.rank = i;
+      self.epoch = table.epoch;
       self.fit = !alone[i];
       self.alone = self.ordered = alone[i];
       const FleetOrder order = rules[i].step(table, self, std::span(peers).first(table.count));

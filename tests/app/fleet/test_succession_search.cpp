@@ -87,8 +87,8 @@ void settle(Vessel& v, std::size_t rank, Bug bug) {
       for (FleetPeer& peer : peers) peer.leads = false;
     }
     const FleetSelf self{
-        rank, v.mode == Mode::kFollows, v.mode != Mode::kHold, v.mode == Mode::kAlone, false,
-        false};
+        rank,  v.epoch, v.mode == Mode::kFollows, v.mode != Mode::kHold, v.mode == Mode::kAlone,
+        false, false};
     switch (v.rule.step(table_at(v.epoch), self, peers)) {
       case FleetOrder::kNone:
         break;
@@ -138,7 +138,7 @@ Node start(const Limits& limits) {
     for (std::size_t j = 0; j < boats; ++j) v.peers[j] = {true, j != 0, j == 0, v.epoch};
     v.rule.begin(table_at(v.epoch));
     // Boat 1 was put into AUTO by its operator.
-    v.rule.step(table_at(v.epoch), {i, i != 0, true, i == 0, i == 0, false}, v.peers);
+    v.rule.step(table_at(v.epoch), {i, v.epoch, i != 0, true, i == 0, i == 0, false}, v.peers);
     v.said = {word_of(v), word_of(v)};
   }
   return n;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <cstdlib>
+
 #include "app/fleet/ledger.hpp"
 #include "app/fleet/table.hpp"
 #include "app/fleet/tables.hpp"
@@ -76,17 +78,35 @@ TEST_CASE("the newest table wins, and comes into force at its time as a whole") 
   CHECK(ledger.take(table_of_four(1), 1'000'000, 0));
   CHECK(ledger.newest().epoch == 1);
   CHECK(ledger.current() == nullptr);
-  CHECK(ledger.in_ms(400'000) == 600);
+  CHECK(ledger.valid_us() == 1'000'000);
   CHECK_FALSE(ledger.is_due(999'999));
   CHECK(ledger.is_due(1'000'000));
   ledger.forward(1'000'000);
   CHECK(ledger.current()->epoch == 1);
-  CHECK(ledger.in_ms(2'000'000) == 0);
+  CHECK(ledger.valid_us() == 1'000'000);
+  CHECK(ledger.replaces(0, 0));
   CHECK(ledger.take(table_of_four(3), 5'000'000, 2'000'000));
   CHECK_FALSE(ledger.take(table_of_four(2), 3'000'000, 2'000'000));
   CHECK_FALSE(ledger.take(table_of_four(3), 4'000'000, 2'000'000));  // the prompter copy
   CHECK(ledger.is_due(4'000'000));
   CHECK(ledger.current()->epoch == 1);
+  for (int held = 0; held < 2; ++held) {
+    CHECK(ledger.replaces(1, table_of_four(1).digest));
+    CHECK_FALSE(ledger.replaces(2, table_of_four(1).digest));
+    CHECK_FALSE(ledger.replaces(0, 0));
+    ledger.forward(4'000'000);
+  }
+}
+
+TEST_CASE("a table in force is passed on with the time since then, in steps of 0.1 s") {
+  const FleetTable table = table_of_four(1);
+  for (const int ms : {-1, -49, -50, -5000, -3'600'000}) {
+    const link::FleetTable message = message_of(table, ms);
+    CHECK(std::abs(in_ms_of(message) - ms) <= 50);
+    CHECK(table_of(message).digest == table.digest);
+  }
+  CHECK(in_ms_of(message_of(table, 90'000)) == 65'535);
+  CHECK(in_ms_of(message_of(table, -90'000'000)) == -6'553'500);
 }
 
 TEST_CASE("of two tables with one epoch all boats choose the same") {
