@@ -34,12 +34,14 @@ can_filter message_filter(const link::DataType& type) {
 }
 
 /// Filters for the transfers that a boat reads.
-std::array<can_filter, 8> filters_of(std::uint8_t node) {
+std::array<can_filter, 10> filters_of(std::uint8_t node) {
   return {{message_filter(link::EscStatus::kType),
            message_filter(link::NodeStatus::kType),
            message_filter(link::RawCommand::kType),
            message_filter(link::RpmCommand::kType),
            message_filter(link::ArmingStatus::kType),
+           message_filter(link::SafetyState::kType),
+           message_filter(link::Button::kType),
            message_filter(link::Allocation::kType),
            {CAN_EFF_FLAG | canid_t{link::Allocation::kType.id} << 8U,
             kKind | kAnonymousType | kService | kSource},

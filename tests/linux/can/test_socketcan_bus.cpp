@@ -123,6 +123,7 @@ TEST_CASE("the kernel hands over what a boat reads, and nothing else") {
       0x14015515,                          // NodeStatus
       0x07040616, 0x07040716, 0x18044C16,  // another controller's commands and ArmingStatus
       0x0704060A, 0x07040614,              // also of a node with our id
+      0x104E2030, 0x104E2130,              // SafetyState and Button of a stop switch
       0x1E000115,                          // dynamic_node_id.Allocation of an allocator
       0x1E285D00,                          // the same of a node without an id: discriminator 0xA17
       0x18019495, 0x1E0B1495,  // requests and responses to us: GetNodeInfo, param.GetSet
