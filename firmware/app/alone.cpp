@@ -15,6 +15,7 @@ constexpr bool kSailsVoyages = FLOTILLA_SAILS_VOYAGES != 0;
 
 template <class S>
 void Alone<S>::start(const Now& now) {
+  driven_ = false;
   if (now.state == core::State::kAuto) {
     start_plan();
   } else {

@@ -184,7 +184,7 @@ void Boat<S>::note_state(std::int64_t now_us) {
     vehicle_.send_statustext(link::mav::kSeverityInfo,
                              {"navigation quality not reported: not checked"}, counters_);
   }
-  if (!core::sails_alone(state())) vehicle_.take_target();  // it came before another request
+  if (state() != core::State::kGuided) vehicle_.take_target();  // it came before another request
   if (was == state()) return;
   if (core::sails_alone(was)) pilot_.end_plan();
   if (core::sails_alone(state())) alone_.start({state(), conditions_, now_us});

@@ -89,7 +89,8 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
   if (!judged.slot_astern && pilot.claims().is_free(now_us, sails)) {
     met |= core::kSlotSound;
   }
-  if ((pilot.astray() == core::Astray::kNo && !judged.voyage_lost) || !sails) {
+  const bool lost = judged.voyage_lost && boat.state() == core::State::kAuto;
+  if ((pilot.astray() == core::Astray::kNo && !lost) || !sails) {
     met |= core::kOnStation;
   }
   if (!boat.fence_watch.stays()) met &= ~core::kInsideFence;

@@ -377,3 +377,21 @@ def test_a_boat_gives_way_inside_its_fence() -> None:
         least = min(least, math.hypot(north - there.north, east - there.east))
     assert least > 2.0 and farthest < 3.0
     assert sea.state == "AUTO" and place(sea) == pytest.approx((40.0, 0.0), abs=0.1)
+
+
+def test_a_fence_that_is_switched_on_during_an_upload_judges_the_items_before_it() -> None:
+    sea = fenced([at(1, 0)], box(0, 0, 20))
+    sea.order(FENCE_ENABLE, 0.0)
+    planner = Planner(sea)
+    items = [at(5, 0), at(50, 0), at(5, 5), at(6, 6)]
+    planner.say(mavlink.MAVLink_mission_count_message(BOAT, 1, 4, 0))
+    sea.step()
+    for seq, item in enumerate(items):
+        if seq == 3:
+            sea.order(FENCE_ENABLE, 1.0)
+        planner.say(item.message(seq))
+        sea.run(0.1)
+    sea.run(1.0)
+    assert any("item 1: outside the fence" in text for text in words(sea)), words(sea)
+    sea.mode(AUTO)
+    assert sea.state != "AUTO"

@@ -11,13 +11,16 @@ from pymavlink.dialects.v20 import common as mavlink
 from tests.target.hull import Afloat
 from tests.target.plans import (
     ITEM_ACCEPTED,
+    RALLY,
     REFUSED,
     SPEED,
     UNSUPPORTED_FRAME,
     UNSUPPORTED_ITEM,
     Item,
+    Planner,
     at,
     plan_of,
+    rally,
 )
 from tests.target.plans import LOITER as LOITER_ITEM
 from tests.target.sea import Sea, Tick, acks, texts
@@ -404,6 +407,42 @@ def test_a_script_moves_the_place_in_each_frame() -> None:
     )
     sea.run(60.0)
     assert place(sea) == pytest.approx((0, 0), abs=0.05) and sea.state == "GUIDED"
+
+
+def test_a_target_after_a_drive_that_another_mode_ended_is_sailed_to() -> None:
+    sea = waiting()
+    for _ in range(10):
+        sea.say(local(NED, velocity_mps=(0.0, 0.5)))
+        sea.run(0.2)
+    sea.mode(HOLD)
+    sea.run(10.0)
+    assert acks(reposition(sea, at(8, 0))) == [(REPOSITION, ACCEPTED)]
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((8, 0), abs=0.1)
+
+
+def test_a_place_that_came_just_before_auto_is_forgotten() -> None:
+    sea = at_sea([at(4, 0)])
+    sea.mode(GUIDED)
+    sea.run(1.0)
+    sea.say(local(NED, place_m=(0.0, 30.0)))
+    sea.mode(AUTO)
+    sea.run(20.0)
+    assert sea.state == "AUTO"
+    sea.mode(GUIDED)
+    sea.run(30.0)
+    assert sea.state == "GUIDED" and place(sea)[1] == pytest.approx(0, abs=0.5)
+
+
+def test_a_rally_point_out_of_reach_does_not_keep_a_boat_from_home() -> None:
+    sea = at_sea([])
+    assert Planner(sea, kind=RALLY).send([rally(0, 4000)]) == ITEM_ACCEPTED
+    reposition(sea, at(10, 0))
+    sea.run(40.0)
+    assert place(sea) == pytest.approx((10, 0), abs=0.5)
+    sea.mode(RTL)
+    sea.run(60.0)
+    assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.1)
 
 
 @pytest.mark.parametrize("frame", [BODY_NED, BODY_OFFSET_NED, BODY_FRD])

@@ -50,8 +50,9 @@ BAD = {
         2,
         PARAM1,
     ),
+    "a loop at one place": ([at(9, 0), at(5, 0), at(5, 0), bare(JUMP, 1.0, -1.0)], 3, PARAM1),
     "a jump less than never": ([at(5, 0), bare(JUMP, 0.0, -2.0)], 1, PARAM2),
-    "five jumps": ([at(5, 0), *[bare(JUMP, 0.0, 1.0)] * 5], 5, 4),
+    "five jumps": ([at(5, 0), at(9, 0), *[bare(JUMP, 0.0, 1.0)] * 5], 6, 4),
     "a delay without end": ([at(5, 0), bare(CONDITION_DELAY, 1e9)], 1, PARAM1),
     "home nowhere": ([at(5, 0), bare(SET_HOME)._replace(x=10**9, frame=6)], 1, 10),
     "home before a waypoint": ([bare(SET_HOME, 1.0), at(5, 0)], 0, 5),
@@ -115,6 +116,13 @@ def test_a_jump_for_ever_goes_on_for_ever() -> None:
     ticks = sea.run(300.0)
     told = reached(ticks)
     assert len(told) > 10 and set(told) == {0, 1} and progress(sea)[2] != COMPLETE
+
+
+@pytest.mark.parametrize("near_m", [0.03, 0.06])
+def test_a_jump_between_two_places_that_are_one_to_the_boat_ends_the_plan(near_m: float) -> None:
+    sea = sailing([at(4, 0), at(8, 0), at(8 + near_m, 0), bare(JUMP, 1.0, -1.0)])
+    sea.run(40.0)
+    assert place(sea) == pytest.approx((8, 0), abs=0.3)
 
 
 def test_condition_delay_waits() -> None:

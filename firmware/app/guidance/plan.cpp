@@ -83,8 +83,8 @@ PlanFault fault_of_home(const PlanItem& item) {
   return sets_home_here(item) ? PlanFault{} : fault_of_place(item);
 }
 
-/// Judges the last item, a jump. It must lead back over a place, so that no loop is without
-/// progress.
+/// Judges the last item, a jump. It must lead back over two places or a circle, so that no loop is
+/// without progress.
 PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
   const PlanItem& item = plan.back();
   const float target = item.param[0], times = or_zero(item.param[1]);
@@ -97,8 +97,14 @@ PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
   if (times != -1 && !is_within(times, 30'000)) {
     return {mav::kMissionInvalidParam2, "repeats not -1 to 30000"};
   }
-  if (std::ranges::none_of(plan.subspan(jump_of(item, defaults)), leads_somewhere)) {
-    return {mav::kMissionInvalidParam1, "loop has no waypoint"};
+  const Plan loop = plan.subspan(jump_of(item, defaults));
+  const auto first = std::ranges::find_if(loop, leads_somewhere);
+  if (first == loop.end()) return {mav::kMissionInvalidParam1, "loop has no waypoint"};
+  const auto moves = [&](const PlanItem& i) {
+    return leads_somewhere(i) && (turns(i) || i.x != first->x || i.y != first->y);
+  };
+  if (std::ranges::none_of(loop, moves)) {
+    return {mav::kMissionInvalidParam1, "loop stays at one place"};
   }
   const auto is_jump = [](const PlanItem& i) { return i.command == mav::kDoJump; };
   const auto jumps = static_cast<std::size_t>(std::ranges::count_if(plan, is_jump));

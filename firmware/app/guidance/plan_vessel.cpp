@@ -49,9 +49,11 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   }
 }
 
+/// A plan whose jumps lead over one place again and again ends there.
 template <class S>
 void PlanVessel<S>::fill(Plan plan) {
-  while (count_ < kWindow) {
+  std::size_t left = 2 * plan.size() + kWindow;
+  while (count_ < kWindow && left-- > 0) {
     const auto point = reader_.next(plan);
     if (!point) return;
     add(*point);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/guidance/errand.hpp"
 #include "app/guidance/zones.hpp"
 #include "link/mavlink/crc32.hpp"
 
@@ -223,12 +224,13 @@ PlanFault MissionService::restore(Stored kind, Plan items, const PlanDefaults& d
 
 link::Message MissionService::finish(const Asker& asker) {
   const Stored kind = upload_->kind;
+  const bool judged = upload_->judged;
   replace(kind, incoming_.first(upload_->count));
   store(kind).from = asker.from;
   upload_.reset();
   news_ = News{.kind = News::Kind::kStored, .what = kind};
-  // Each leg was judged on arrival. Only a map drawn since the last check needs a new one.
-  if (kind == Stored::kPlan) check_.begin(checked_map_ == fence_.drawn());
+  // Each leg was judged on arrival. Only a fence or a margin that has changed needs a new check.
+  if (kind == Stored::kPlan) check_.begin(judged && checked_map_ == fence_.drawn());
   return acknowledgement(asker.from, mav::kMissionAccepted, type_of(kind), store(kind).id);
 }
 
@@ -310,14 +312,20 @@ void MissionService::sailed(std::size_t item, bool complete) {
 bool MissionService::enable_fence(bool on) {
   if (!fence_.is_stored()) return false;
   fence_.enable(on);
-  check_.begin();
+  judge_anew();
   return true;
+}
+
+/// Both the plan and the items of one that comes in were judged by another fence.
+void MissionService::judge_anew() {
+  check_.begin();
+  if (upload_) upload_->judged = false;
 }
 
 void MissionService::check_plan(const PlanDefaults& defaults) {
   const bool same = std::exchange(checked_map_, fence_.drawn()) == fence_.drawn() &&
                     std::exchange(checked_margin_m_, defaults.margin_m) == defaults.margin_m;
-  if (!same) check_.begin();
+  if (!same) judge_anew();
   const std::size_t homes = homes_of(plan());
   if (!check_.forward(fence_, plan().subspan(homes), with_homes(defaults, homes))) return;
   news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, homes + check_.item(), check_.why()};
@@ -352,6 +360,7 @@ convert::GlobalPoint MissionService::return_place(const convert::Position& here,
     if (!fence_.refusal_of(place, 0).empty()) continue;
     const convert::Position there{0, 0, {place.latitude, place.longitude, 0, 0}};
     const double away_m = convert::distance_m(here, there);
+    if (away_m > double{kErrandReach_m}) continue;
     const bool leads = fence_.refusal_of(here, place, defaults.margin_m).empty();
     if (found && (straight != leads ? straight : nearest_m <= away_m)) continue;
     best = place;

@@ -128,6 +128,7 @@ class MissionService {
     std::size_t count = 0, next = 0;  ///< items
     std::int64_t asked_us = 0;
     int tries = 0;
+    bool judged = true;  ///< all items by the present fence
   };
 
   Store& store(Stored kind) { return stores_[static_cast<std::size_t>(kind)]; }
@@ -142,6 +143,7 @@ class MissionService {
   link::Message clear(const link::MissionClearAll& asked, const Asker& asker);
   PlanFault fault_of_last_incoming(const PlanDefaults& defaults) const;
   link::Message finish(const Asker& asker);
+  void judge_anew();
   link::Message refuse(const Asker& asker, Stored kind, const PlanFault& fault);
   link::Message ask(std::int64_t now_us);
   link::Message item(std::size_t seq, const link::Address& to, std::uint8_t type) const;
