@@ -18,7 +18,7 @@ from sil.wire.mavlink_messages import FLEET_BEACON, FLEET_TABLE, LAYOUTS, SEEDS
 
 _TURNS, _STOP, _ASSIGN = 1, 2, 4
 _CAN_LEAD, _ONLY_LEADS = 1, 2
-_TABLE, _MEMBER = struct.Struct("<HHHB"), struct.Struct("<BBBBhh")
+_TABLE, _MEMBER = struct.Struct("<HHHHBB"), struct.Struct("<BBBBhh")
 _BEACON = LAYOUTS[FLEET_BEACON]
 MOST_MEMBERS = 24
 _TABLE_BYTES = _TABLE.size + _MEMBER.size * MOST_MEMBERS
@@ -76,7 +76,7 @@ def table_message(
     if len(members) > MOST_MEMBERS:
         raise ValueError(f"{len(members)} members: a table has at most {MOST_MEMBERS}")
     flags = _TURNS * turns | _STOP * stop | _ASSIGN * assign
-    head = _TABLE.pack(round(1000 * in_s), epoch, round(10 * move_s), flags)
+    head = _TABLE.pack(round(1000 * in_s), epoch, round(10 * move_s), 0, flags, 0)
     payload = head + b"".join(map(_packed, members))
     return _frame(FLEET_TABLE, payload.rstrip(b"\0"), sender)
 
@@ -84,7 +84,7 @@ def table_message(
 def heard_table(frame: bytes) -> HeardTable:
     """The places in a FLEET_TABLE frame, whose checksum was compared before."""
     payload = _payload(frame)
-    _, epoch, _, flags = _TABLE.unpack_from(payload)
+    _, epoch, _, _, flags, _ = _TABLE.unpack_from(payload)
     members = takewhile(itemgetter(0), _MEMBER.iter_unpack(payload[_TABLE.size :]))
     places = {system: (0.01 * x_cm, 0.01 * y_cm) for system, _, _, _, x_cm, y_cm in members}
     return HeardTable(epoch, bool(flags & _TURNS), places)
@@ -114,10 +114,11 @@ def digest_of(message: bytes) -> int:
     """
     payload = _payload(message)
     value = 2166136261
-    move, flags, members = payload[4:6], payload[6:7], payload[_TABLE.size :]
-    for byte in flags + move + members:
+    move, share, members = payload[4:8], payload[9:10], payload[_TABLE.size :]
+    flags = payload[8] & (_TURNS | _STOP | _ASSIGN)
+    for byte in bytes([flags]) + move + share + members:
         value = (value ^ byte) * 16777619 & 0xFFFFFFFF
-    return (value ^ value >> 16) & 0x7FFF | 0x8000 * bool(flags[0] & _STOP)
+    return (value ^ value >> 16) & 0x7FFF | 0x8000 * bool(flags & _STOP)
 
 
 def _payload(frame: bytes) -> bytes:

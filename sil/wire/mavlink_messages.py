@@ -25,7 +25,7 @@ SEEDS: dict[int, int] = {
     FORMATION_REFERENCE: 131,
     FORMATION_FUTURE: 89,
     FLEET_BEACON: 25,
-    FLEET_TABLE: 24,
+    FLEET_TABLE: 200,
 }
 """Checksum seed (CRC_EXTRA) of every known message, by its number."""
 

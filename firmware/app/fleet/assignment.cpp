@@ -163,32 +163,86 @@ double slowest_s(const FleetTable& table, Now now, std::size_t root, const Fleet
   return slowest;
 }
 
-/// Until the last boat has reached its place, 0.1 s: the way that is slowest at any instant of the
-/// move decides.
-std::uint16_t moves_ds(const FleetTable& table, Now now, std::size_t root,
-                       const FleetOutlook& outlook) {
-  const double most_mps = 0.97 * (outlook.most_mps > 0 ? double{outlook.most_mps} : 1.5);
-  double slowest = 0;
-  for (std::size_t k = 0; k < outlook.count; ++k) {
-    if (k > 0 && slowest + kMoveRamp_s < static_cast<double>(k) * FleetOutlook::kEvery_s) break;
-    slowest = std::max(slowest, slowest_s(table, now, root, outlook.at[k], most_mps));
+/// How long the slowest way takes, s, if the root sails as at an instant of its outlook.
+class Slowest {
+ public:
+  Slowest(const FleetTable& table, Now now, std::size_t root, const FleetOutlook& outlook,
+          double in_s)
+      : in_s_(in_s), count_(outlook.count) {
+    const double most_mps = 0.97 * (outlook.most_mps > 0 ? double{outlook.most_mps} : 1.5);
+    for (std::size_t k = 0; k < count_; ++k) {
+      at_s_[k] = slowest_s(table, now, root, outlook.at[k], most_mps);
+      moves_ = moves_ || at_s_[k] > 0;
+    }
   }
-  if (!(slowest > 0)) return 0;
-  const double all_s = std::max(slowest, kShortest_s) + kMoveRamp_s;
-  return static_cast<std::uint16_t>(std::min(std::ceil(10 * all_s), 65'535.0));
+
+  bool moves() const { return moves_; }
+
+  /// The longest from one time of the move to another.
+  double between(double from_s, double to_s) const {
+    const double end = static_cast<double>(count_) - 1;
+    const auto sample = [&](double number) {
+      return at_s_.begin() + static_cast<std::ptrdiff_t>(std::min(number, end));
+    };
+    const auto first = sample(std::floor((in_s_ + from_s) / FleetOutlook::kEvery_s));
+    const auto last = sample(std::ceil((in_s_ + to_s) / FleetOutlook::kEvery_s));
+    return std::max(*std::max_element(first, last + 1), kShortest_s);
+  }
+
+ private:
+  std::array<double, FleetOutlook::kMost> at_s_{};
+  double in_s_;
+  std::size_t count_;
+  bool moves_ = false;
+};
+
+/// The quickest pace at which no place is too fast at any time of the move; the longer it takes, the
+/// more of the plan counts.
+FleetPace quickest(const Slowest& slowest) {
+  FleetPace best;
+  const auto until_slow_enough = [](double all_s, auto needs_s) {
+    for (double longer_s = needs_s(all_s); longer_s > all_s; longer_s = needs_s(all_s)) {
+      all_s = longer_s;
+    }
+    return all_s;
+  };
+  best.all_s =
+      until_slow_enough(0, [&](double all_s) { return slowest.between(0, all_s) + kMoveRamp_s; });
+  for (std::size_t k = 1; k < FleetOutlook::kMost; ++k) {
+    const double first_s = static_cast<double>(k) * FleetOutlook::kEvery_s;
+    if (first_s < 1.5 * kMoveRamp_s) continue;
+    const double exact =
+        (first_s - kMoveRamp_s / 2) / slowest.between(0, first_s + kMoveRamp_s / 2);
+    if (exact >= 1) break;
+    const double share = std::floor(kShares * exact) / kShares;  // as it goes over the wire
+    const double all_s = until_slow_enough(first_s + 1.5 * kMoveRamp_s, [&](double all) {
+      return first_s + kMoveRamp_s / 2 +
+             (1 - share) * slowest.between(first_s - kMoveRamp_s / 2, all);
+    });
+    if (all_s < best.all_s) best = {all_s, first_s, share};
+  }
+  return best;
+}
+
+std::uint16_t tenths(double s) {
+  return static_cast<std::uint16_t>(std::min(std::ceil(10 * s), 65'535.0));
 }
 
 }  // namespace
 
 FleetTable assigned(const FleetTable& wanted, Now now, std::size_t root,
-                    const FleetOutlook& outlook) {
+                    const FleetOutlook& outlook, double in_s) {
   FleetTable table = matched(wanted, now, false);
   if (const double room = room_cm(table, now); room < 0) {
     const FleetTable free = matched(wanted, now, true);
     if (room_cm(free, now) > room) table = free;
   }
   table.assigns = false;
-  table.move_ds = moves_ds(table, now, root, outlook);
+  const Slowest slowest(table, now, root, outlook, in_s);
+  const FleetPace pace = slowest.moves() ? quickest(slowest) : FleetPace{};
+  table.move_ds = tenths(pace.all_s);
+  table.first_ds = tenths(pace.first_s);
+  table.first_share = static_cast<std::uint8_t>(std::lround(kShares * pace.first_share));
   return table_of(message_of(table, 0));  // with its digest
 }
 

@@ -6,7 +6,7 @@
 //   ⇒ on straight ways, begun and ended together, two boats stay |a| |b| / √(a² + b²) apart,
 //     a and b their distances before and after: at least 0.7 of the smaller one
 //   |v(t) + w d| ≤ 0.97 u_max       v: the shape's velocity there; w, d: a place's speed and
-//                                   direction in it; all the time that the move takes
+//                                   direction in it; w changes once, at T₁ (move.hpp)
 //
 // Source: Turpin, Michael and Kumar, CAPT: Concurrent assignment and planning of trajectories for
 // multiple robots, 2014. Solved by shortest augmenting paths (Jonker and Volgenant 1987).
@@ -41,9 +41,9 @@ struct FleetOutlook {
 
 /// The table with its places given anew to its members. `now`: their present places, by rank in
 /// `wanted`; nothing for who has none yet. Who follows nobody, or only leads, keeps its place,
-/// unless somebody's way would pass it too near: then all places are free. The move begins with the
-/// outlook, which is that of the member of rank `root`.
+/// unless somebody's way would pass it too near: then all places are free. The outlook is
+/// that of the member of rank `root`; the move begins after `in_s` of it.
 FleetTable assigned(const FleetTable& wanted, std::span<const std::optional<FleetSlot>> now,
-                    std::size_t root, const FleetOutlook& outlook);
+                    std::size_t root, const FleetOutlook& outlook, double in_s);
 
 }  // namespace flotilla::app

@@ -139,7 +139,8 @@ void Fleet::give_places(const FleetOutlook& outlook, std::int64_t now_us) {
   const auto root = leader == Succession::kNobody
                         ? std::nullopt
                         : wish.table.rank_of(ledger_.current()->members[leader].system);
-  const FleetTable given = assigned(wish.table, places, root.value_or(0), outlook);
+  const FleetTable given = assigned(wish.table, places, root.value_or(0), outlook,
+                                    1e-6 * static_cast<double>(valid_us - now_us));
   // Hulls differ: places that suit the boats of the request may be too near for others.
   if (const TableVerdict verdict = verdict_of(given); verdict.fault != TableFault::kNone) {
     refusal_ = verdict;
@@ -153,7 +154,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   if (held.epoch == 0) {
     if (beacon.epoch != 0) {
       asks_ = true;
-      wish_.reset();  // others know more
+      if (wish_ && is_of(wish_->table, from)) wish_.reset();  // others know more
     }
     return;
   }
@@ -281,7 +282,9 @@ double Fleet::since_s(std::int64_t now_us) const {
 
 /// Of the way to the new places.
 FleetMove Fleet::move(std::int64_t now_us) const {
-  return move_at(since_s(now_us), 0.1 * ledger_.current()->move_ds);
+  const FleetTable& table = *ledger_.current();
+  return move_at(since_s(now_us),
+                 {0.1 * table.move_ds, 0.1 * table.first_ds, table.first_share / kShares});
 }
 
 bool Fleet::moves(std::int64_t now_us) const {

@@ -26,6 +26,7 @@ void FleetLedger::forward(std::int64_t now_us) {
 }
 
 bool FleetLedger::replaces(std::uint16_t epoch, std::uint16_t digest) const {
+  if (epoch == 0) return false;
   if (next_) return epoch == current_.epoch && digest == current_.digest;
   return epoch == replaced_epoch_ && digest == replaced_digest_;
 }

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
-// How places move from one shape to the next: as a share s of their ways, in a time T.
+// How places move from one shape to the next: as a share s of their ways, at two speeds, as fast as
+// the leader's plan permits before T₁ and after it.
 //
-//   ṡ rises to 1 / (T − ρ) in ρ, stays there, and falls to 0 in ρ      ρ = min(4 s, T/2)
+//   ṡ rises to v₁ in ρ, goes over to v₂ in ρ around T₁, and falls to 0 in ρ, until T
+//   v₁ = s₁ / (T₁ − ρ/2),  v₂ = (1 − s₁) / (T − T₁ − ρ/2)      s₁: the share at T₁ if v₁ = v₂
+//   ρ = min(4 s, ⅔ T₁, ⅔ (T − T₁));   without T₁: T₁ = T/2, s₁ = ½, so that v₁ = v₂
 //
 // The ramps give a boat time to turn to its place's new course.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace flotilla::app {
@@ -17,6 +21,12 @@ constexpr double kMoveRamp_s = 4;
 /// A boat of 1.2 m turns about in some 5 s while its place moves (guidance/moving_slot.hpp). It begins
 /// half of that time before its place reverses.
 constexpr double kTurnAhead_s = 2.4;
+
+struct FleetPace {
+  double all_s = 0;        ///< T
+  double first_s = 0;      ///< T₁; 0: one speed
+  double first_share = 0;  ///< s₁
+};
 
 struct FleetMove {
   double share = 1;
@@ -33,15 +43,33 @@ struct SlotMotion {
 };
 
 /// t_s after the move began.
-inline FleetMove move_at(double t_s, double all_s) {
-  if (!(t_s < all_s)) return {};
-  const double ramp_s = std::min(kMoveRamp_s, all_s / 2);
-  const double most = 1 / (all_s - ramp_s);
-  const double t = std::max(t_s, 0.0), left = all_s - t;
-  const double most_dot = most / ramp_s;
-  if (t < ramp_s) return {most_dot * t * t / 2, most_dot * t, most_dot};
-  if (left < ramp_s) return {1 - most_dot * left * left / 2, most_dot * left, -most_dot};
-  return {most * (t - ramp_s / 2), most};
+inline FleetMove move_at(double t_s, const FleetPace& pace) {
+  if (!(t_s < pace.all_s)) return {};
+  const bool changes = 0 < pace.first_s && pace.first_s < pace.all_s;
+  const double first_s = changes ? pace.first_s : pace.all_s / 2;
+  const double share = changes ? pace.first_share : 0.5;
+  const double second_s = pace.all_s - first_s;
+  const double ramp_s = std::min({kMoveRamp_s, first_s / 1.5, second_s / 1.5});
+  const double first = share / (first_s - ramp_s / 2);
+  const double second = (1 - share) / (second_s - ramp_s / 2);
+  struct Knot {
+    double s, rate;
+  };
+  const std::array knots{Knot{0, 0},
+                         Knot{ramp_s, first},
+                         Knot{first_s - ramp_s / 2, first},
+                         Knot{first_s + ramp_s / 2, second},
+                         Knot{pace.all_s - ramp_s, second},
+                         Knot{pace.all_s, 0}};
+  FleetMove out{.share = 0};
+  for (std::size_t k = 1; k < knots.size() && knots[k - 1].s <= std::max(t_s, 0.0); ++k) {
+    const Knot &from = knots[k - 1], &to = knots[k];
+    const double lasts_s = to.s - from.s, dt = std::min(std::max(t_s, 0.0) - from.s, lasts_s);
+    out.rate_dot = lasts_s > 0 ? (to.rate - from.rate) / lasts_s : 0;
+    out.rate = from.rate + out.rate_dot * dt;
+    out.share += (from.rate + out.rate) / 2 * dt;
+  }
+  return out;
 }
 
 }  // namespace flotilla::app

@@ -30,6 +30,7 @@ void Succession::begin(const FleetTable& table) {
   was_fit_ = out_ = 0;
   followed_.reset();
   leader_ = kNobody;
+  stopping_ = false;
   if (!table.stop) return;
   *this = {};
   stopping_ = true;

@@ -19,8 +19,11 @@ std::uint16_t digest_of(const link::FleetTable& message) {
   std::uint32_t hash = 2166136261U;
   const auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 16777619U; };
   add(message.flags);
-  add(static_cast<std::uint8_t>(message.move_ds & 0xFFU));
-  add(static_cast<std::uint8_t>(message.move_ds >> 8U));
+  for (const std::uint16_t ds : {message.move_ds, message.first_ds}) {
+    add(static_cast<std::uint8_t>(ds & 0xFFU));
+    add(static_cast<std::uint8_t>(ds >> 8U));
+  }
+  add(message.first_share);
   for (const std::uint8_t byte : message.members) add(byte);
   const std::uint32_t folded = (hash ^ hash >> 16U) & 0x7FFFU;
   return static_cast<std::uint16_t>(folded | ((message.flags & kStop) != 0 ? 0x8000U : 0U));
@@ -81,7 +84,9 @@ FleetTable table_of(const link::FleetTable& message) {
                    .turns = (message.flags & kTurns) != 0,
                    .stop = (message.flags & kStop) != 0,
                    .assigns = (message.flags & kAssigns) != 0,
-                   .move_ds = message.move_ds};
+                   .move_ds = message.move_ds,
+                   .first_ds = message.first_ds,
+                   .first_share = message.first_share};
   while (table.count < FleetTable::kMost && message.members[kBytes * table.count] != 0) {
     const std::uint8_t* bytes = message.members.data() + kBytes * table.count;
     table.members[table.count++] = {.system = bytes[0],
@@ -106,6 +111,8 @@ link::FleetTable message_of(const FleetTable& table, std::int64_t in_ms) {
   message.in_ms = static_cast<std::uint16_t>(std::min<std::int64_t>(told, 65'535));
   message.epoch = table.epoch;
   message.move_ds = table.move_ds;
+  message.first_ds = table.first_ds;
+  message.first_share = table.first_share;
   message.flags =
       static_cast<std::uint8_t>((table.turns ? kTurns : 0U) | (table.stop ? kStop : 0U) |
                                 (table.assigns ? kAssigns : 0U) | (in_ms < 0 ? kInForce : 0U));

@@ -25,15 +25,20 @@ struct FleetMember {
   FleetSlot slot_cm{};
 };
 
+/// A share on the wire is so many times as great.
+constexpr double kShares = 255;
+
 struct FleetTable {
   static constexpr std::size_t kMost = 24;  ///< members, as many as one message carries
 
   std::uint16_t epoch = 0;  ///< 0: no table
   std::uint16_t digest = 0;
-  bool turns = false;         ///< the shape turns with the leader's heading
-  bool stop = false;          ///< all boats stop
-  bool assigns = false;       ///< a request: who hears it gives the places to the members
-  std::uint16_t move_ds = 0;  ///< how long the boats take to their new places, 0.1 s; 0: at once
+  bool turns = false;            ///< the shape turns with the leader's heading
+  bool stop = false;             ///< all boats stop
+  bool assigns = false;          ///< a request: who hears it gives the places to the members
+  std::uint16_t move_ds = 0;     ///< how long the boats take to their new places, 0.1 s; 0: at once
+  std::uint16_t first_ds = 0;    ///< when the places change their speed, 0.1 s; 0: never
+  std::uint8_t first_share = 0;  ///< s₁ of move.hpp, 1/255
   std::size_t count = 0;
   std::array<FleetMember, kMost> members{};  ///< by rank, the highest first
 

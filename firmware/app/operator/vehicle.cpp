@@ -249,7 +249,8 @@ bool Vehicle::obey(Request request, link::Counters& counters) {
 }
 
 bool Vehicle::obey_stop(link::Counters& counters) {
-  counters.requests_dropped += inbox_.drop(undoes_stop);
+  counters.requests_dropped += inbox_.drop(
+      [](const PendingRequest& pending) { return undoes_stop(pending) && !stops(pending); });
   const State state = supervisor_.state();
   const bool drives = core::law_drives(state) || state == State::kManual || state == State::kTest;
   return !drives || obey(Request::kHold, counters);
@@ -261,9 +262,10 @@ bool Vehicle::answer(link::Counters& counters) {
     // Leave room for the heartbeat and the state. A stop is obeyed even without room to answer it.
     const std::size_t kept = asks_for_message(pending) ? kKeptRoom : kOwnRoom;
     if (links_.room(pending.link) < kept && !stops(pending)) return Taken::kKept;
+    const State was = supervisor_.state();
     answer(pending, counters);
     if (stops(pending)) return Taken::kStop;
-    return changed_ ? Taken::kLast : Taken::kAnswered;
+    return changed_ || supervisor_.state() != was ? Taken::kLast : Taken::kAnswered;
   };
   const auto is_void = [&](const PendingRequest& pending) {
     const bool undone = undoes_stop(pending);

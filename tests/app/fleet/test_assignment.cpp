@@ -73,7 +73,7 @@ TEST_CASE("no other choice of places has a smaller sum of squared ways") {
     const std::size_t count = 2 + static_cast<std::size_t>(round) % 5;
     const auto now_at = drawn(generator, count), places = drawn(generator, count);
     const Now now(now_at.begin(), now_at.end());
-    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay);
+    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay, 0);
     double got = 0;
     for (std::size_t i = 0; i < count; ++i) got += square(table.members[i].slot_cm, now_at[i]);
     const bool leader_stays = table.members[0].slot_cm == places[0];
@@ -95,7 +95,7 @@ TEST_CASE("on straight ways no two boats come nearer than 1.2 hulls; two, if the
     const std::size_t count = 2 + static_cast<std::size_t>(round) % 23;
     const auto now_at = drawn(generator, count), places = drawn(generator, count);
     const Now now(now_at.begin(), now_at.end());
-    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay);
+    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay, 0);
     const bool stays = table.members[0].slot_cm == places[0];
     led_from_elsewhere += stays ? 0 : 1;
     for (std::size_t i = 0; i < count; ++i) {
@@ -113,7 +113,7 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
     auto places = drawn(generator, count);
     Now now(count);
     for (std::size_t i = 0; i < count; i += 2) now[i] = places[count - 1 - i];
-    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay);
+    const FleetTable table = assigned(table_of(places), now, 0, kUnderWay, 0);
     std::vector<FleetSlot> given;
     for (const FleetMember& member : table.all()) given.push_back(member.slot_cm);
     std::ranges::sort(given);
@@ -127,7 +127,7 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
 double seconds(FleetSlot from, FleetSlot to, const FleetOutlook& outlook, bool turns = false) {
   FleetTable wanted = table_of({{0, 0}, to});
   wanted.turns = turns;
-  return assigned(wanted, Now{FleetSlot{0, 0}, from}, 0, outlook).move_ds / 10.0 - kMoveRamp_s;
+  return assigned(wanted, Now{FleetSlot{0, 0}, from}, 0, outlook, 0).move_ds / 10.0 - kMoveRamp_s;
 }
 
 TEST_CASE("the time is that of the longest way at what the boats can do") {
@@ -152,7 +152,7 @@ TEST_CASE("ways are relative to the boat that leads, whichever rank it has") {
     wanted.members[root].slot_cm = {-400, 0};
     wanted.members[1 - root].slot_cm = {2600, 0};
     const Now now{FleetSlot{-400, 0}, FleetSlot{-400, 0}};
-    CHECK(assigned(wanted, now, root, kUnderWay).move_ds / 10.0 - kMoveRamp_s ==
+    CHECK(assigned(wanted, now, root, kUnderWay, 0).move_ds / 10.0 - kMoveRamp_s ==
           doctest::Approx(30 / (0.97 * 1.5 - 0.6)).epsilon(0.01));
   }
 }
@@ -165,7 +165,8 @@ TEST_CASE("a turn of the leader counts if it comes while the boats move") {
   for (std::size_t k = 12; k < turns_north.count; ++k) turns_north.at[k].heading_rad = 0;
   const double ahead_s = seconds({-3000, 500}, {0, 500}, straight(0.6F));
   CHECK(ahead_s > abeam_s + 10);
-  CHECK(seconds({-3000, 500}, {0, 500}, turns_north) == ahead_s);
+  const double both_s = seconds({-3000, 500}, {0, 500}, turns_north);
+  CHECK((abeam_s + 1 < both_s && both_s < ahead_s - 5));
   for (std::size_t k = 12; k < 16; ++k) turns_north.at[k].heading_rad = 1.5708F;
   CHECK(seconds({-3000, 500}, {0, 500}, turns_north) == abeam_s);
 }
@@ -177,20 +178,52 @@ TEST_CASE("a shape that turns: on the outside of the turn less speed is left for
   CHECK(outside_s > seconds({0, -1500}, {1500, -1500}, straight(0.6F), true) + 10);
 }
 
-TEST_CASE("a move has the speed that its rate says, and no steps") {
-  for (const double all_s : {0.5, 4.0, 10.0, 37.3}) {
-    double share = 0;
-    constexpr double kStep_s = 1e-3;
-    for (double t = 0; t < all_s; t += kStep_s) {
-      const FleetMove now = move_at(t, all_s);
-      CHECK(now.share == doctest::Approx(share).epsilon(0.01));
-      share += kStep_s * now.rate;
-    }
-    CHECK(share == doctest::Approx(1).epsilon(0.01));
-    CHECK(move_at(all_s, all_s).share == 1);
-    CHECK(move_at(all_s, all_s).rate == 0);
+TEST_CASE("a leader that sails faster later slows only the rest of the move down") {
+  constexpr double kSlow_mps = 0.33, kFast_mps = 0.6, kFrom_s = 60, kWay_m = 100, kIn_s = 7;
+  FleetOutlook outlook = straight(static_cast<float>(kSlow_mps));
+  outlook.count = FleetOutlook::kMost;
+  outlook.at.fill(outlook.at[0]);
+  for (std::size_t k = 30; k < outlook.count; ++k) outlook.at[k].ahead_mps = 0.6F;
+  FleetTable wanted = table_of({{0, 0}, {6000, 500}});
+  const FleetTable table =
+      assigned(wanted, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, kIn_s);
+  const FleetPace pace{0.1 * table.move_ds, 0.1 * table.first_ds, table.first_share / kShares};
+  CHECK(pace.all_s < kWay_m / (0.97 * 1.5 - kFast_mps) + kMoveRamp_s - 12);
+  double fastest_mps = 0;
+  for (double t_s = 0; t_s < pace.all_s; t_s += 0.1) {
+    const double leader_mps = kIn_s + t_s < kFrom_s ? kSlow_mps : kFast_mps;
+    const double mps = leader_mps + kWay_m * move_at(t_s, pace).rate;
+    CHECK(mps < 0.97 * 1.5 + 1e-3);
+    fastest_mps = std::max(fastest_mps, mps);
   }
-  CHECK(move_at(0, 0).share == 1);
+  CHECK(fastest_mps > 0.97 * 1.5 - 0.01);
+  wanted.members[1].slot_cm = {-4000, 500};  // nobody moves
+  CHECK(assigned(wanted, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, 0).move_ds == 0);
+}
+
+TEST_CASE("a move has the speed that its rate says, and no steps") {
+  for (const FleetPace& pace :
+       {FleetPace{0.5}, FleetPace{4}, FleetPace{10}, FleetPace{37.3}, FleetPace{60, 40, 0.4},
+        FleetPace{60, 8, 0.9}, FleetPace{20, 19, 0.5}, FleetPace{20, 25, 0.5}}) {
+    CAPTURE(pace.all_s);
+    CAPTURE(pace.first_s);
+    FleetMove last{.share = 0};
+    constexpr double kStep_s = 1e-3;
+    for (double t = 0; t < pace.all_s; t += kStep_s) {
+      const FleetMove now = move_at(t, pace);
+      CHECK(std::abs(now.share - last.share - kStep_s * (now.rate + last.rate) / 2) < 1e-5);
+      const double steepest = std::max(std::abs(now.rate_dot), std::abs(last.rate_dot));
+      CHECK(std::abs(now.rate - last.rate) <= 1.01 * kStep_s * steepest + 1e-9);
+      CHECK(now.rate >= 0);
+      last = now;
+    }
+    CHECK(last.share == doctest::Approx(1).epsilon(1e-3));
+    CHECK(last.rate < 0.02);
+    CHECK(move_at(pace.all_s, pace).share == 1);
+    CHECK(move_at(pace.all_s, pace).rate == 0);
+    CHECK(move_at(-1, pace).share == 0);
+  }
+  CHECK(move_at(0, {}).share == 1);
 }
 
 }  // namespace

@@ -142,8 +142,8 @@ TEST_CASE("a new shape moves all places together, at the speed that the law is t
   CHECK(harbour.applied(2).FORM_OFS_N == -4);  // behind boat 2
   CHECK(harbour.applied(3).FORM_OFS_N == -12);
   CHECK(harbour.applied(3).FORM_OFS_E == doctest::Approx(4).epsilon(0.1));
-  CHECK(harbour.boats[3].fleet.slot_motion().mps[1] == doctest::Approx(1.33).epsilon(0.05));
-  CHECK(harbour.boats[3].fleet.slot_motion().soon_mps[1] == doctest::Approx(0.83).epsilon(0.05));
+  CHECK(harbour.boats[3].fleet.slot_motion().mps[1] == doctest::Approx(1.2).epsilon(0.05));
+  CHECK(harbour.boats[3].fleet.slot_motion().soon_mps[1] == doctest::Approx(0.94).epsilon(0.05));
   CHECK(harbour.boats[2].fleet.slot_motion().mps[1] == 0);
   for (const Boat& boat : harbour.boats) CHECK(boat.fleet.moves(harbour.now_us + boat.clock_us));
   harbour.sail(20);

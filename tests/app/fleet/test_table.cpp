@@ -84,7 +84,7 @@ TEST_CASE("the newest table wins, and comes into force at its time as a whole") 
   ledger.forward(1'000'000);
   CHECK(ledger.current()->epoch == 1);
   CHECK(ledger.valid_us() == 1'000'000);
-  CHECK(ledger.replaces(0, 0));
+  CHECK_FALSE(ledger.replaces(0, 0));  // it replaces none
   CHECK(ledger.take(table_of_four(3), 5'000'000, 2'000'000));
   CHECK_FALSE(ledger.take(table_of_four(2), 3'000'000, 2'000'000));
   CHECK_FALSE(ledger.take(table_of_four(3), 4'000'000, 2'000'000));  // the prompter copy

@@ -40,7 +40,7 @@ def test_a_stop_and_a_request_to_give_the_places_are_flags(
 
 def test_more_members_than_a_message_holds_are_refused() -> None:
     many = [Member(i + 1, 0, (3.0 * i, 0.0), 1.0) for i in range(25)]
-    assert len(table_message(1, many[:24])) <= 12 + 199
+    assert len(table_message(1, many[:24])) <= 12 + 202
     with pytest.raises(ValueError, match="25 members"):
         table_message(1, many)
 
