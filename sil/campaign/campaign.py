@@ -20,6 +20,7 @@ from sil.campaign.campaign_files import Folder, Identity
 from sil.campaign.progress import bar
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import OtherCodeError, Share, ShareResult, code
+from sil.cli.out_folder import claim
 from sil.lockstep.policies import PolicyViolationError
 from sil.lockstep.start import StartError
 from sil.lockstep.world import check
@@ -98,6 +99,8 @@ def _sail(
     check(sampler.nominal, dict(identity.parameters))
     for run in range(identity.runs):
         sampler.scenario(run)
+    if not folder.is_begun():
+        claim(folder.path, "campaign.json", identity.scenario)
     with folder.alone():
         say = partial(_say, console)
         results = folder.begin(identity, campaign.command, say)

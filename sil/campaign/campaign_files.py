@@ -61,9 +61,13 @@ class Folder:
                 raise CampaignError(f"another command is at work in {self.path}") from None
             yield
 
+    def is_begun(self) -> bool:
+        """Whether the folder has an unfinished campaign."""
+        return self._parts.is_dir()
+
     def check(self, identity: Identity) -> None:
         """CampaignError if the folder has an unfinished campaign other than this one."""
-        if not self._parts.is_dir():
+        if not self.is_begun():
             return
         known = self._known()
         now = json.loads(json.dumps(asdict(identity)))
@@ -97,7 +101,7 @@ class Folder:
         """
         self.check(identity)
         self.path.mkdir(parents=True, exist_ok=True)
-        if not self._parts.is_dir():
+        if not self.is_begun():
             self.write_json(identity, {"command": command})
             self._parts.mkdir()
         results = []

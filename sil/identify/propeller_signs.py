@@ -50,7 +50,10 @@ class Wiring:
                 "commanded ahead"
             )
         if self.swapped:
-            told.append("port and starboard are swapped: exchange the two motor controllers' ids")
+            told.append(
+                "port and starboard are swapped: exchange ESC_PORT and ESC_STBD; if they are "
+                "exchanged already, request the boat's parameters while it logs"
+            )
         return "; ".join(told)
 
 

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Logs of flotillad (tlog, with the CAN log beside it) and ArduPilot's (tlog, .bin).
+"""Logs of flotillad (tlog, with the CAN logs beside it) and ArduPilot's (tlog, .bin).
 
 Motion is ODOMETRY, or ATTITUDE and LOCAL_POSITION_NED; of a .bin XKF1. Commands are esc.RawCommand
-of the CAN log, SERVO_OUTPUT_RAW, or RCOU of a .bin, with the outputs whose SERVOn_FUNCTION is
-ThrottleLeft (73) and ThrottleRight (74), or 1 and 3. Times are the log's.
+of the CAN logs, with the indices ESC_PORT and ESC_STBD, or 0 and 1; or SERVO_OUTPUT_RAW, or RCOU of
+a .bin, with the outputs whose SERVOn_FUNCTION is ThrottleLeft (73) and ThrottleRight (74), or 1 and
+3. Times are the log's.
 """
 
-import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing
-from math import atan2, cos, radians, sin
+from itertools import chain
+from math import atan2, cos, inf, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -46,17 +47,20 @@ def read_tlog(path: Path) -> VoyageLog:
     own = [key for key in sources if key[0] == system]
     unit = max(own, key=lambda key: (key[1] != _AUTOPILOT, sources[key]))
     series = Series(path.stem, aboard=_ODOMETRY in kinds)
-    outputs = _Outputs()
+    outputs, escs = _Outputs(), {"ESC_PORT": 0, "ESC_STBD": 1}
     for t_s, source, name, message in messages:
         if source == unit and name in kinds:
             _motion(series, t_s, name, message)
         elif source[0] == system and name == "PARAM_VALUE":
             outputs.parameter(message.param_id, message.param_value)
+            if message.param_id in escs:
+                escs[message.param_id] = int(message.param_value)
         elif source[0] == system and name == "SERVO_OUTPUT_RAW":
             raw = [getattr(message, f"servo{k}_raw", 0) for k in range(1, 17)]
             outputs.heard.append((t_s, raw))
-    can = path.with_name(re.sub(r"^mavlink\d+-", "can-", path.stem) + ".log")
-    series.commands = list(_raw_commands(can)) if can.exists() else outputs.commands()
+    buses = _buses_beside(path, messages[0][0], messages[-1][0])
+    commands = list(_raw_commands(buses, escs["ESC_PORT"], escs["ESC_STBD"]))
+    series.commands = commands or outputs.commands()
     return series.log()
 
 
@@ -144,12 +148,32 @@ def _motion(series: Series, t_s: float, name: str, message: Any) -> None:
     series.velocity.append((t_s, ahead, aside))
 
 
-def _raw_commands(path: Path) -> Iterator[tuple[float, float, float]]:
-    """Commands of ESC 0 (port) and 1 (starboard) on a boat's bus."""
+def _buses_beside(path: Path, first_s: float, last_s: float) -> list[Path]:
+    """The logs of the bus beside a tlog that were written at the same time.
+
+    Each series of logs counts for itself, so equal numbers need not belong together.
+    """
+    begun = []
+    for log in path.parent.glob("can-*.log"):
+        if (first := next(candump.frames(log, []), None)) is not None:
+            begun.append((first.t_us * 1e-6, log))
+    begun.sort()
+    ends_s = [*(t_s for t_s, _ in begun[1:]), inf]
+    return [
+        log
+        for (begins_s, log), end_s in zip(begun, ends_s, strict=False)
+        if begins_s <= last_s and end_s >= first_s
+    ]
+
+
+def _raw_commands(
+    paths: Sequence[Path], port: int, stbd: int
+) -> Iterator[tuple[float, float, float]]:
+    """Commands to the propellers in logs of a boat's bus; `port`, `stbd`: indices of the ESCs."""
     receiver = Receiver({message_subject(RAW_COMMAND): RAW_COMMAND})
-    for frame in candump.frames(path, []):
+    for frame in chain.from_iterable(candump.frames(path, []) for path in paths):
         payload = receiver.on_frame(frame.can_id, frame.data, frame.t_us)
         if payload is not None:
             raw = RawCommand.decode(payload).cmd
-            if len(raw) >= 2:
-                yield frame.t_us * 1e-6, raw[0] / _FULL_RAW, raw[1] / _FULL_RAW
+            if len(raw) > max(port, stbd):
+                yield frame.t_us * 1e-6, raw[port] / _FULL_RAW, raw[stbd] / _FULL_RAW

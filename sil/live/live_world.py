@@ -185,6 +185,7 @@ class LiveWorld:
             self._until(tick_us)
             self._send(tick_us)
             if k % 100 == 0:
+                self._check_processes()
                 progress(k / tracer.ticks)
         progress(1.0)
         return tracer

@@ -79,7 +79,7 @@ def live(
         raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
     program = live_world.build(console.print)
     out.mkdir(parents=True, exist_ok=True)
-    _remove_earlier(out, len(scenario.boat))
+    _remove_earlier(out)
     began_s = time.perf_counter()
     with (
         live_world.LiveWorld(scenario, bus, param_overrides, mavlink, gcs, _TCP_FROM) as world,
@@ -101,13 +101,14 @@ def live(
         return _finish(scenario, out, result, wall_s, command, console, drawing, *times_s)
 
 
-def _remove_earlier(out: Path, boats: int) -> None:
-    """Remove an earlier run's logs, and its files that a live run does not write."""
+def _remove_earlier(out: Path) -> None:
+    """Remove an earlier run's logs, parameters, plans and fences, and what a live run lacks."""
     for name in ("recording.bin", "run.mcap"):
         (out / name).unlink(missing_ok=True)
-    for system in range(1, boats + 1):
-        (out / f"boat{system}" / "flotillad.log").unlink(missing_ok=True)
-        shutil.rmtree(out / f"boat{system}" / "log", ignore_errors=True)
+    for boat in out.glob("boat[0-9]*"):
+        (boat / "flotillad.log").unlink(missing_ok=True)
+        for folder in ("log", "state"):
+            shutil.rmtree(boat / folder, ignore_errors=True)
 
 
 @contextmanager

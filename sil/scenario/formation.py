@@ -36,10 +36,18 @@ def slots(formation: Formation) -> list[Place]:
     return _SHAPES[formation.shape](formation.boats, formation.spacing_m)
 
 
+class _Led(BaseModel):
+    """The leader's place, heading included."""
+
+    eta: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
 class _Shaped(BaseModel):
     """The part of a document that `expand` needs, so that errors name its keys."""
 
     formation: Formation
+    leader: _Led = _Led()
+    boat: dict[str, dict[str, Any]] = {}
 
 
 def expand(source: Source) -> None:
@@ -62,26 +70,32 @@ def expand(source: Source) -> None:
         leader["eta"] = [*map(float, first), math.atan2(second[1] - first[1], second[0] - first[0])]
     if "formation" not in document:
         return
-    try:
-        shaped = _Shaped.model_validate({"formation": document["formation"]}).formation
-    except ValidationError as error:
-        raise source.errors(error, _Shaped) from None
     if ("boat",) in source.lines:
         raise source.error(
             ("boat",), '"boat": [formation] creates the boats; use [boat.2] to change one'
         )
-    own = document.get("boat")
+    parts = {key: document[key] for key in ("formation", "leader", "boat") if key in document}
+    if isinstance(parts.get("boat"), list):
+        del parts["boat"]  # the base's boats, which those of the formation replace
     try:
-        boats = boats_of(shaped, leader if isinstance(leader, dict) else {})
+        shaped = _Shaped.model_validate(parts)
+    except ValidationError as error:
+        raise source.errors(error, _Shaped) from None
+    try:
+        boats = boats_of(shaped.formation, leader if isinstance(leader, dict) else {})
     except ValueError as error:
         raise source.error(("formation",), f'"formation": {error}') from None
-    for number, changes in own.items() if isinstance(own, dict) else ():
+    for number, changes in shaped.boat.items():
         if not number.isdecimal() or not 1 <= int(number) <= len(boats):
             raise source.error(
                 ("boat", number), f'"boat.{number}": the number must be from 1 to {len(boats)}'
             )
         for path, value in leaves(changes):
-            lay(boats[int(number) - 1], path, value)
+            try:
+                lay(boats[int(number) - 1], path, value)
+            except LookupError as error:
+                key = ("boat", number, *path)
+                raise source.error(key, f'"{".".join(key)}": {error.args[0]}') from None
     document["boat"] = boats
 
 

@@ -37,6 +37,7 @@ def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "run.mcap",
             "boat2/flotillad.log",
             "boat2/log/mavlink0-00001.tlog",
+            "boat2/state/parameters.txt",
         ):
             (out / name).parent.mkdir(parents=True, exist_ok=True)
             (out / name).write_bytes(b"of an earlier run")
@@ -135,7 +136,31 @@ def test_nothing_of_an_earlier_run_in_the_folder_is_taken_for_this_ones(live: Pa
     logs = sorted((live / "boat2" / "log").glob("*.tlog"))
     assert [log.name for log in logs] == [f"mavlink{link}-00001.tlog" for link in range(3)]
     assert not any(b"earlier" in log.read_bytes() for log in logs)
-    assert "earlier" not in (live / "boat2" / "flotillad.log").read_text(encoding="utf-8")
+    for name in ("flotillad.log", "state/parameters.txt"):
+        assert "earlier" not in (live / "boat2" / name).read_text(encoding="utf-8")
+
+
+class BoatEnds(LiveWorld):
+    """A live world in which boat 2's process is killed after two seconds."""
+
+    def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
+        def killing(share: float) -> None:
+            if share * COASTING_RUN_S > 1.5 and (process := self.boats[1].process) is not None:
+                process.kill()
+            progress(share)
+
+        return super().run(program, out, killing)
+
+
+def test_a_boat_whose_process_ends_under_way_ends_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sil.live.live_world.LiveWorld", BoatEnds)
+    with live_buses() as bus:
+        arguments = ["live", "diamond", "--bus", bus, "--duration", str(COASTING_RUN_S)]
+        assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert "error: boat 2: " in capsys.readouterr().err
+    assert not (tmp_path / "out" / "summary.json").exists()
 
 
 def test_what_flotillad_refuses_is_told_in_its_own_words(

@@ -273,6 +273,15 @@ def test_an_unfinished_campaign_is_not_finished_as_another(
     assert "unfinished" in told and "seed: null, now 1" in told and told.count("\n") == 1
 
 
+def test_a_campaign_leaves_the_results_of_others_alone(
+    scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "report.html").write_text("of a run", encoding="utf-8")
+    assert main(command(scenario, tmp_path)) == 2
+    assert f"{tmp_path} holds files that this command has not made" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

@@ -89,6 +89,19 @@ def test_ardupilots_tlog_with_its_outputs_where_its_parameters_say(
     check(log, truth)
 
 
+def can_log(truth: VoyageLog, rows: slice, port: int = 0, stbd: int = 1) -> str:
+    """Of the commands of a part of a voyage; `port`, `stbd`: indices of the ESCs."""
+    lines = []
+    for k in range(len(truth.commands))[rows]:
+        t_us, cmd = times(truth)[k], [0] * (max(port, stbd) + 1)
+        cmd[port], cmd[stbd] = (round(8191 * c) for c in truth.commands[k])
+        raw = dronecan.uavcan.equipment.esc.RawCommand(cmd=cmd)
+        for frame in Transfer(k % 32, 10, payload=raw, transfer_priority=8).to_frames():
+            at = f"{t_us // 1_000_000}.{t_us % 1_000_000:06d}"
+            lines.append(f"({at}) can0 {frame.message_id:08X}#{bytes(frame.bytes).hex().upper()}\n")
+    return "".join(lines)
+
+
 def test_flotillads_logs_in_their_folder_with_a_leaders_motion_among_its_own(
     truth: VoyageLog, tmp_path: Path
 ) -> None:
@@ -99,14 +112,24 @@ def test_flotillads_logs_in_their_folder_with_a_leaders_motion_among_its_own(
     content = tlog(*attitude_and_place(truth, 3, 191), *own, *foreign)
     (tmp_path / "log" / "mavlink0-00001.tlog").write_bytes(content)
     (tmp_path / "log" / "mavlink1-00001.tlog").write_bytes(tlog(*own, *foreign))  # the radio
-    lines = []
-    for k, (t_us, pair) in enumerate(zip(times(truth), truth.commands, strict=True)):
-        raw = dronecan.uavcan.equipment.esc.RawCommand(cmd=[round(8191 * c) for c in pair])
-        for frame in Transfer(k % 32, 10, payload=raw, transfer_priority=8).to_frames():
-            at = f"{t_us // 1_000_000}.{t_us % 1_000_000:06d}"
-            lines.append(f"({at}) can0 {frame.message_id:08X}#{bytes(frame.bytes).hex().upper()}\n")
-    (tmp_path / "log" / "can-00001.log").write_text("".join(lines))
+    # The bus's logs count for themselves, and go on in a new file.
+    half = len(truth.commands) // 2
+    earlier = "(1600000000.000000) can0 0704060A#0000C0\n"
+    (tmp_path / "log" / "can-00001.log").write_text(earlier)
+    (tmp_path / "log" / "can-00002.log").write_text(can_log(truth, slice(0, half)))
+    (tmp_path / "log" / "can-00003.log").write_text(can_log(truth, slice(half, None)))
     ((log,), _) = read([tmp_path])
+    check(log, truth, 1e-3)
+
+
+def test_propellers_are_those_that_the_boats_parameters_name(
+    truth: VoyageLog, tmp_path: Path
+) -> None:
+    told = [parameter("ESC_PORT", 3.0), parameter("ESC_STBD", 1.0)]
+    content = tlog(*attitude_and_place(truth, 3, 191), *told)
+    (tmp_path / "mavlink0-00001.tlog").write_bytes(content)
+    (tmp_path / "can-00001.log").write_text(can_log(truth, slice(None), port=3, stbd=1))
+    ((log,), _) = read([tmp_path / "mavlink0-00001.tlog"])
     check(log, truth, 1e-3)
 
 
