@@ -94,8 +94,8 @@ def expand(source: Source) -> None:
             try:
                 lay(boats[int(number) - 1], path, value)
             except LookupError as error:
-                key = ("boat", number, *path)
-                raise source.error(key, f'"{".".join(key)}": {error.args[0]}') from None
+                at = ("boat", number, *path)
+                raise source.error(at, f'"{".".join(at)}": {error.args[0]}') from None
     document["boat"] = boats
 
 
