@@ -74,11 +74,11 @@ void Signing::set_clock(std::uint64_t now, bool known) {
 
 std::uint32_t Signing::clock_s() const { return static_cast<std::uint32_t>(clock_ / kSecond); }
 
-/// The oldest acceptable timestamp. A clock that starts less than a day behind the stored timestamp
-/// must not make old messages valid.
+/// The oldest acceptable timestamp. A clock that is only guessed, or starts less than a day behind the
+/// stored timestamp, must not make old messages valid.
 std::uint64_t Signing::oldest() const {
-  const bool behind = stored_ > clock_ && (!known_ || stored_ - clock_ < kDay);
-  const std::uint64_t oldest = behind ? stored_ : known_ ? clock_ : 0;
+  const bool behind = stored_ > clock_ && stored_ - clock_ < kDay;
+  const std::uint64_t oldest = behind || !known_ ? stored_ : clock_;
   return oldest - std::min(oldest, kMinute);
 }
 

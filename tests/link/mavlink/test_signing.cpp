@@ -346,6 +346,17 @@ TEST_CASE("started again with a clock that is behind, a boat sends newer stamps 
   CHECK(after.timestamp() == kNow + 3600 * kSecond);
 }
 
+TEST_CASE("by a guessed clock nothing is valid that is older than the last voyage's last message") {
+  for (const std::uint64_t guess : {kNow - kDay, kNow, kNow + 3600 * kSecond}) {
+    Keyed boat;
+    boat.start(counting_key(), guess, kNow);
+    boat.set_clock(guess, false);
+    CHECK(boat.check(Sender{{1, 1}}.frame(kNow - 61 * kSecond)) == kStale);
+    CHECK(boat.check(Sender{{1, 2}}.frame(kNow - 59 * kSecond)) == kGood);
+    CHECK(boat.check(Sender{{1, 3}}.frame(kNow + kDay)) == kGood);
+  }
+}
+
 TEST_CASE("stored a year ahead, by a clock that was wrong, a boat is deaf to nobody") {
   Keyed boat;
   boat.start(counting_key(), kNow, kNow + 365 * kDay);
