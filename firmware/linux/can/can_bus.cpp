@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <variant>
 
 #include "linux/can/mcast_bus.hpp"
 #include "linux/can/socketcan_bus.hpp"
@@ -40,14 +42,30 @@ in_addr interface_of(std::string_view address, const std::string& text) {
   return interface;
 }
 
-std::unique_ptr<CanBus> open_mcast(std::string_view address, std::string_view rest) {
-  const std::string_view number = rest.substr(0, rest.find(':'));
-  if (number.size() != 1 || number[0] < '0' || number[0] > '9') {
-    refuse(address, "\"" + std::string(number) + "\" is not a bus number from 0 to 9");
+struct Multicast {
+  unsigned bus;
+  std::optional<in_addr> interface;
+};
+
+/// The parts of `mcast:N[:ADDRESS]`, or the name of a SocketCAN interface.
+std::variant<Multicast, std::string> parts_of(std::string_view address) {
+  const std::size_t colon = std::min(address.find(':'), address.size());
+  const std::string_view scheme = address.substr(0, colon);
+  const std::string_view rest = address.substr(std::min(colon + 1, address.size()));
+  if (scheme == "mcast") {
+    const std::string_view number = rest.substr(0, rest.find(':'));
+    if (number.size() != 1 || number[0] < '0' || number[0] > '9') {
+      refuse(address, "\"" + std::string(number) + "\" is not a bus number from 0 to 9");
+    }
+    const unsigned bus = static_cast<unsigned>(number[0] - '0');
+    if (rest.size() == 1) return Multicast{bus, std::nullopt};
+    return Multicast{bus, interface_of(address, std::string(rest.substr(2)))};
   }
-  const unsigned bus = static_cast<unsigned>(number[0] - '0');
-  if (rest.size() == 1) return std::make_unique<McastBus>(bus, std::nullopt);
-  return std::make_unique<McastBus>(bus, interface_of(address, std::string(rest.substr(2))));
+  if (scheme != "socketcan") refuse(address, "must be socketcan:INTERFACE or mcast:N[:ADDRESS]");
+  if (!is_interface_name(rest)) {
+    refuse(address, "\"" + std::string(rest) + "\" is not an interface name");
+  }
+  return std::string(rest);
 }
 
 }  // namespace
@@ -73,15 +91,13 @@ std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node
   if (node == 0 || node > kGreatestNode) {
     refuse(address, std::to_string(node) + " is not a node id from 1 to 127");
   }
-  const std::size_t colon = std::min(address.find(':'), address.size());
-  const std::string_view scheme = address.substr(0, colon);
-  const std::string_view rest = address.substr(std::min(colon + 1, address.size()));
-  if (scheme == "mcast") return open_mcast(address, rest);
-  if (scheme != "socketcan") refuse(address, "must be socketcan:INTERFACE or mcast:N[:ADDRESS]");
-  if (!is_interface_name(rest)) {
-    refuse(address, "\"" + std::string(rest) + "\" is not an interface name");
+  const auto parts = parts_of(address);
+  if (const auto* multicast = std::get_if<Multicast>(&parts)) {
+    return std::make_unique<McastBus>(multicast->bus, multicast->interface);
   }
-  return std::make_unique<SocketCanBus>(std::string(rest), node);
+  return std::make_unique<SocketCanBus>(std::get<std::string>(parts), node);
 }
+
+void require_can_address(std::string_view address) { parts_of(address); }
 
 }  // namespace flotilla::target

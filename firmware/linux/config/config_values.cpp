@@ -5,8 +5,11 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <stdexcept>
 
 #include "app/operator/mavlink_links.hpp"
+#include "linux/can/can_bus.hpp"
+#include "linux/mavlink/mavlink_endpoint.hpp"
 
 namespace flotilla::target {
 namespace {
@@ -57,16 +60,27 @@ void read_link_option(std::string_view option, MavlinkLinkConfig& link) {
                    ",signing=off, accept or required)");
 }
 
+/// A mistake that opening the address would find is told with the place of the value.
+void require_address(void (*require)(std::string_view), std::string_view address) {
+  try {
+    require(address);
+  } catch (const std::runtime_error& error) {
+    throw ValueError(error.what());
+  }
+}
+
 }  // namespace
 
 std::string can_address(std::string_view address) {
   require_scheme(address, {"socketcan:", "mcast:"}, "CAN bus");
+  require_address(require_can_address, address);
   return std::string(address);
 }
 
 MavlinkLinkConfig mavlink_link(std::string_view text) {
   const std::string_view address = text.substr(0, text.find(','));
   require_scheme(address, {"udpin:", "udpout:", "udpbcast:", "serial:"}, "MAVLink link");
+  require_address(require_mavlink_address, address);
   MavlinkLinkConfig link{std::string(address), default_rate(address)};
   for (text.remove_prefix(address.size()); !text.empty();) {
     const std::string_view option = text.substr(0, text.find(',', 1));

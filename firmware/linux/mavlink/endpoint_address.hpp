@@ -2,6 +2,9 @@
 // The parts of a link's address, and the error for a mistake in one.
 #pragma once
 
+#include <netinet/in.h>
+#include <termios.h>
+
 #include <string>
 #include <string_view>
 
@@ -16,5 +19,9 @@ struct EndpointAddress {
 
 /// The last part as a number from 1 to `greatest`, else refuses.
 unsigned number_of(const EndpointAddress& address, unsigned greatest);
+
+/// What a socket or a port needs of an address, else refuses.
+sockaddr_in socket_address_of(const EndpointAddress& address);
+speed_t speed_of(const EndpointAddress& address);
 
 }  // namespace flotilla::target

@@ -45,13 +45,22 @@ unsigned number_of(const EndpointAddress& address, unsigned greatest) {
   return value;
 }
 
+void require_mavlink_address(std::string_view address) {
+  const EndpointAddress parts = split(address);
+  if (parts.scheme == "serial") {
+    speed_of(parts);
+  } else if (parts.scheme == "udpin" || parts.scheme == "udpout" || parts.scheme == "udpbcast") {
+    socket_address_of(parts);
+  } else {
+    refuse(address, "unknown kind \"" + parts.scheme + "\": udpin, udpout, udpbcast or serial");
+  }
+}
+
 std::unique_ptr<MavlinkEndpoint> open_mavlink_endpoint(std::string_view address) {
+  require_mavlink_address(address);
   const EndpointAddress parts = split(address);
   if (parts.scheme == "serial") return std::make_unique<SerialEndpoint>(parts);
-  if (parts.scheme == "udpin" || parts.scheme == "udpout" || parts.scheme == "udpbcast") {
-    return std::make_unique<UdpEndpoint>(parts);
-  }
-  refuse(address, "unknown kind \"" + parts.scheme + "\": udpin, udpout, udpbcast or serial");
+  return std::make_unique<UdpEndpoint>(parts);
 }
 
 }  // namespace flotilla::target

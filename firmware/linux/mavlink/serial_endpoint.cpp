@@ -21,12 +21,16 @@ constexpr std::array kSpeeds{Speed{9600, B9600},     Speed{19200, B19200},   Spe
 
 }  // namespace
 
-SerialEndpoint::SerialEndpoint(const EndpointAddress& address) : device_(address.place) {
+speed_t speed_of(const EndpointAddress& address) {
   const auto speed = std::ranges::find(kSpeeds, number_of(address, 921600), &Speed::baud);
   if (speed == kSpeeds.end()) {
     refuse(address.whole, address.number + " is not a supported baud rate");
   }
-  speed_ = speed->code;
+  return speed->code;
+}
+
+SerialEndpoint::SerialEndpoint(const EndpointAddress& address)
+    : device_(address.place), speed_(speed_of(address)) {
   reopen();
   port_.take();
 }

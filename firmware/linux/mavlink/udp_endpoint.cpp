@@ -25,13 +25,20 @@ FileDescriptor udp_socket() {
 
 }  // namespace
 
-UdpEndpoint::UdpEndpoint(const EndpointAddress& address)
-    : learns_(address.scheme == "udpin"), broadcasts_(address.scheme == "udpbcast") {
-  named_.sin_family = AF_INET;
-  named_.sin_port = htons(static_cast<std::uint16_t>(number_of(address, 65535)));
-  if (::inet_pton(AF_INET, address.place.c_str(), &named_.sin_addr) != 1) {
+sockaddr_in socket_address_of(const EndpointAddress& address) {
+  sockaddr_in out{};
+  out.sin_family = AF_INET;
+  out.sin_port = htons(static_cast<std::uint16_t>(number_of(address, 65535)));
+  if (::inet_pton(AF_INET, address.place.c_str(), &out.sin_addr) != 1) {
     refuse(address.whole, "\"" + address.place + "\" is not a numeric IPv4 address");
   }
+  return out;
+}
+
+UdpEndpoint::UdpEndpoint(const EndpointAddress& address)
+    : learns_(address.scheme == "udpin"),
+      broadcasts_(address.scheme == "udpbcast"),
+      named_(socket_address_of(address)) {
   reopen();
   socket_.take();
 }

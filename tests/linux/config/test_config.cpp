@@ -208,16 +208,16 @@ TEST_CASE(
   using enum app::SigningPolicy;
   const File file(R"(
 signing-key = "/etc/flotilla/key"
-mavlink = ["udpin:a:1,signing=required,rate=9", "udpin:a:2,rate=9,signing=off",
-           "udpin:a:3,signing=accept", "udpin:a:4"]
+mavlink = ["udpin:10.0.0.1:1,signing=required,rate=9", "udpin:10.0.0.1:2,rate=9,signing=off",
+           "udpin:10.0.0.1:3,signing=accept", "udpin:10.0.0.1:4"]
 )");
   const Config config = file.good();
   CHECK(config.signing_key == "/etc/flotilla/key");
   CHECK(config.signing_time_file() == config.state_dir / "signing_time.txt");
-  CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:a:1", 9, kRequired},
-                                                         {"udpin:a:2", 9, kOff},
-                                                         {"udpin:a:3", 0, kAccept},
-                                                         {"udpin:a:4"}});
+  CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:10.0.0.1:1", 9, kRequired},
+                                                         {"udpin:10.0.0.1:2", 9, kOff},
+                                                         {"udpin:10.0.0.1:3", 0, kAccept},
+                                                         {"udpin:10.0.0.1:4"}});
   CHECK(config.policy(config.mavlink[0]) == kRequired);
   CHECK(config.policy(config.mavlink[1]) == kOff);
   CHECK(config.policy(config.mavlink[2]) == kAccept);
@@ -225,16 +225,16 @@ mavlink = ["udpin:a:1,signing=required,rate=9", "udpin:a:2,rate=9,signing=off",
 }
 
 TEST_CASE("without a key no link signs, and none may be asked to") {
-  const Config config = good({"--mavlink=udpin:a:1", "--mavlink=udpin:a:2,signing=off"});
+  const Config config = good({"--mavlink=udpin:10.0.0.1:1", "--mavlink=udpin:10.0.0.1:2,signing=off"});
   CHECK(config.mavlink.size() == 2);
   for (const auto& link : config.mavlink) CHECK(config.policy(link) == app::SigningPolicy::kOff);
   for (const std::string policy : {"accept", "required"}) {
-    const std::string link = "--mavlink=udpin:a:1,signing=" + policy;
+    const std::string link = "--mavlink=udpin:10.0.0.1:1,signing=" + policy;
     CHECK(mistake({link.c_str()}) ==
-          "flotillad: mavlink: signing on udpin:a:1 needs a signing-key\n");
+          "flotillad: mavlink: signing on udpin:10.0.0.1:1 needs a signing-key\n");
     CHECK(good({link.c_str(), "--signing-key=key"}).signing_key == "key");
   }
-  const File file("signing-key = \"key\"\nmavlink = [\"udpin:a:1,signing=required\"]\n");
+  const File file("signing-key = \"key\"\nmavlink = [\"udpin:10.0.0.1:1,signing=required\"]\n");
   CHECK(mistake({"--config", file.path.c_str(), "--signing-key="}).find("needs a signing-key") !=
         std::string::npos);
 }
@@ -271,6 +271,16 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
        "stop-gpio, priority, lock-memory, param)\n"},
       {"can = 0\n", ":1:7: can: must be a string\n"},
       {"can = \"can0\"\n", ":1:7: can: \"can0\" is not a CAN bus (allowed: socketcan:, mcast:…)\n"},
+      {"can = \"mcast:12\"\n",
+       ":1:7: can: CAN bus \"mcast:12\": \"12\" is not a bus number from 0 to 9\n"},
+      {"mavlink = [\"udpin:boat2.local:14550\"]\n",
+       ":1:12: mavlink: MAVLink link \"udpin:boat2.local:14550\": \"boat2.local\" is not a numeric "
+       "IPv4 address\n"},
+      {"mavlink = [\"udpin:99999\"]\n",
+       ":1:12: mavlink: MAVLink link \"udpin:99999\": \"99999\" is not a number from 1 to 65535\n"},
+      {"mavlink = [\"serial:/dev/ttyACM0:115201\"]\n",
+       ":1:12: mavlink: MAVLink link \"serial:/dev/ttyACM0:115201\": 115201 is not a supported baud "
+       "rate\n"},
       {"can = \"socketcan:\"\n",
        ":1:7: can: \"socketcan:\" is not a CAN bus (allowed: socketcan:, mcast:…)\n"},
       {"mavlink = \"udpin:0.0.0.0:1\"\n",
@@ -289,7 +299,7 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
        "whole "
        "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
       {"signing-key = 7\n", ":1:15: signing-key: must be a string\n"},
-      {"mavlink = [\"udpin:a:1\", \"udpin:a:2\", \"udpin:a:3\", \"udpin:a:4\", \"udpin:a:5\"]\n",
+      {"mavlink = [\"udpin:10.0.0.1:1\", \"udpin:10.0.0.1:2\", \"udpin:10.0.0.1:3\", \"udpin:10.0.0.1:4\", \"udpin:10.0.0.1:5\"]\n",
        ":1:11: mavlink: 5 links (allowed: 1 to 4)\n"},
       {"stop-gpio = \"17\"\n", ":1:13: stop-gpio: \"17\" is not CHIP:LINE, such as gpiochip0:17\n"},
       {"priority = 100\n", ":1:12: priority: allowed: whole numbers from 0 (off) to 99\n"},
