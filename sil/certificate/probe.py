@@ -151,8 +151,11 @@ def chain_of(
         changed = {f"m{axis}": masses * getattr(hull, f"m{axis}") for axis in ("11", "22", "33")}
         changed |= {
             name: dampings * getattr(hull, name)
-            for name in ("d11", "d22", "d33", "d11_quadratic", "d33_quadratic", "crossflow_cd")
-        }
+            for name in (
+                *("d11", "d22", "d33", "d11_quadratic", "d33_quadratic", "d33_speed"),
+                "crossflow_cd",
+            )
+        } | {"m23": masses * hull.m23}
         vessel = Vessel(**{**hull.model_dump(), **changed})
         update = {
             "follows": k,
@@ -180,6 +183,7 @@ def _behind(chain: Scenario, only: Input) -> Scenario:
 
 def _calm(chain: Scenario) -> Scenario:
     silent = {name: 0.0 for name in Navigation.model_fields if "_noise_" in name}
+    silent["position_drift_m"] = 0.0
     update = {
         "navigation": chain.navigation.model_copy(update=silent),
         "wind": Wind(),

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import root
 
 from sil.certificate.motion import Motion, motion_of
 from sil.plant import hull
-from sil.plant.hull import Array
+from sil.plant.hull import Array, HullParameters
 from sil.scenario.scenario import Scenario
 from sil.scenario.sections import Input, Leader
 
@@ -25,6 +26,7 @@ _STEP_S = 0.002
 _REPEATS = 1e-11
 _PATIENCE_S = 3000.0
 _STILL = 1e-9
+_HELD = 1e-6  # change of velocity of a hull that is held, m/s² and rad/s²
 _SAMPLES = 256  # samples of a period, and of a circle
 _WINDOW_S = 1.0  # window of a straight leg, all of whose seconds are alike
 _PERIODS = 30  # greatest number of periods in a window, until the heading has returned
@@ -85,7 +87,9 @@ def _segments(scenario: Scenario) -> Iterator[tuple[Input, float]]:
 def _inputs_of_route(scenario: Scenario) -> list[Input]:
     """Inputs with which the leader's hull sails like its route: straight, and its sharpest turns.
 
-    Each begins when the route first does so; there are none without waypoints.
+    Each begins when the route first does so; there are none without waypoints. Under a constant
+    wrench a hull that is unstable in yaw, as the Heron, turns more sharply than its route does: its
+    certificate is of that turn.
     """
     if not scenario.leader.waypoints:
         return []
@@ -95,13 +99,30 @@ def _inputs_of_route(scenario: Scenario) -> list[Input]:
     steady = {0: sailed[:, 3].argmax(), 1: sailed[:, 5].argmax(), 2: sailed[:, 5].argmin()}
     inputs = []
     for tick in sorted(set(steady.values())):
-        u, r = sailed[tick, 3], sailed[tick, 5]
-        v = -own.m11 * u * r / own.d22 if own.d22 > 0.0 else 0.0
-        surge = (own.d11 + own.d11_quadratic * abs(u)) * u - own.m22 * v * r
-        yaw = (own.d33 + own.d33_quadratic * abs(r)) * r + (own.m22 - own.m11) * u * v
+        surge_N, yaw_Nm = _holding(own, sailed[tick, 3], sailed[tick, 5])
         from_s = tick * scenario.step_s
-        inputs.append(Input(from_s=from_s, surge_N=float(surge), yaw_Nm=float(yaw)))
+        inputs.append(Input(from_s=from_s, surge_N=surge_N, yaw_Nm=yaw_Nm))
     return inputs
+
+
+def _holding(own: HullParameters, u: float, r: float) -> tuple[float, float]:
+    """Surge force and yaw moment with which the simulation's hull keeps surge u and yaw rate r.
+
+    ValueError if there are none: without sway drag a hull in a turn drifts on.
+    """
+    stack = hull.stack([own])
+
+    def change(wanted: Array) -> Array:
+        surge_N, yaw_Nm, v = wanted
+        tau = np.broadcast_to((surge_N, yaw_Nm), (3, 1, 2)).copy()
+        eta, nu = np.zeros((1, 3)), np.array([[u, v, r]])
+        hull.advance(eta, nu, tau, np.zeros((1, 3)), np.zeros((1, 2)), stack, _STEP_S)
+        return np.asarray((nu[0] - (u, v, r)) / _STEP_S)
+
+    found = root(change, (own.d11 * u, own.d33 * r, 0.0), tol=1e-12)
+    if np.abs(found.fun).max() > _HELD:
+        raise ValueError(f"no thrust holds the leader's hull at {u:.2f} m/s and {r:.3f} rad/s")
+    return float(found.x[0]), float(found.x[1])
 
 
 class _Agent:
