@@ -162,6 +162,8 @@ def main(arguments: list[str]) -> int:
     runs = sail_all(observed(), options.seconds)
     for of_run in track(runs, "sailing", console=console):
         most = merged(most, of_run)
+    if not most:
+        raise RuntimeError("the module has noted no value: tools/build ranges")
     found = rows(stated(), most)
     console.print(for_terminal(found))
     return 0 if all(row.kept for row in found) else 1

@@ -8,6 +8,7 @@ from rich.console import Console
 
 from sil.faults import fault_report, live_matrix, matrix, rows
 from sil.faults.soak import Soaked, soak
+from sil.live.live_world import build
 
 
 def sail(out: Path, only: str | None, console: Console, *, live: bool) -> int:
@@ -22,6 +23,7 @@ def sail(out: Path, only: str | None, console: Console, *, live: bool) -> int:
         task = bar.add_task(f"{len(chosen)} faults", total=1.0)
         done = matrix.sail_all(chosen, lambda share: bar.update(task, completed=share))
         if live:
+            build(console.print)
             again = bar.add_task("live faults", total=1.0)
             done += live_matrix.rows(lambda share: bar.update(again, completed=share))
     console.print(fault_report.table(done))

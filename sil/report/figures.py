@@ -49,7 +49,7 @@ def thrust_change_N(trace: Trace) -> float:
 def driven_astray(trace: Trace) -> float:
     """Number of boats that have thrust and are more than 1 m off their slots, in the last third."""
     late = _last_third(trace)
-    off = metrics.distances(trace["error"])[late].max(axis=0) > 1.0
+    off = ~(metrics.distances(trace["error"])[late].max(axis=0) <= 1.0)  # NaN is off
     return float(np.count_nonzero(off & trace["thrust"][late].any(axis=(0, 2))))
 
 

@@ -123,7 +123,7 @@ _APART = Bound(
     "m",
     figures.least_separation_m,
     "at least 0.5 m",
-    lambda _, own: own >= 0.5,
+    lambda _, own: 0.5 <= own < math.inf,
 )
 _DRIVEN_ASTRAY = Bound(
     "driven_astray",

@@ -60,7 +60,8 @@ def expand(source: Source) -> None:
     leader = document.get("leader")
     if isinstance(leader, dict) and _is_route(leader.get("waypoints")):
         for key in ("eta", "nu", "input"):
-            if ("leader", key) in source.lines or ("leader", key, "1") in source.lines:
+            told = [*source.lines, *source.overrides]
+            if any(path[:2] == ("leader", key) for path in told):
                 raise source.error(
                     ("leader", key),
                     f'"leader.{key}": "leader.waypoints" determines it, leave one of them out',

@@ -118,7 +118,7 @@ def linear(preset: Preset) -> HullParameters:
     x = hull.length_m * ((np.arange(_STRIPS) + 0.5) / _STRIPS - 0.5)
     v = d22 = swing = 0.0
     for _ in range(_ITERATIONS):  # converges: more drift gives more drag
-        v = 0.5 * (v - hull.m11 * u * r / (d22 or hull.d22))
+        v = 0.5 * (v - hull.m11 * u * r / (d22 or hull.d22 or _LEAST_D))
         flow = v + x * r
         strips = hull.crossflow * np.abs(flow) * flow * hull.length_m / _STRIPS
         d22, swing = hull.d22 + float(strips.sum()) / v, float((strips * x).sum()) / r

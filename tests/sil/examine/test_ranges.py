@@ -18,7 +18,8 @@ ROOT = Path(__file__).resolve().parents[3]
 SHORT = ["duration_s=5.0", "scalar='q16'"]
 # Two boats' worth of it: the same run with the module that notes its values.
 SAIL = """
-from sil import ranges, scenario
+from sil.examine import ranges
+from sil.scenario import scenario
 library = ranges.observed()
 from sil.lockstep.world import sail
 (run,) = sail([scenario.load("diamond", {short})], {{}}, digest=True)

@@ -53,7 +53,7 @@ def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit()
 
 def test_the_page_tells_what_each_choice_does() -> None:
     choices = supervisor_page.choice_table()
-    coast = "COAST, then as `FS_COAST_ACT`"
+    coast = "COAST, then `FS_COAST_ACT` decides"
     assert f"| `FS_LEADER_ACT` 1 (default) | no `leader_fresh` | {coast} | {coast} |" in choices
     assert "| `FS_GCS_ACT` 2 | no `gcs_heard` | HOLD | MANUAL |" in choices
     assert "| `FS_FENCE_ACT` 2 (default) | no `inside_fence` | RTL | RTL |" in choices
