@@ -225,7 +225,8 @@ mavlink = ["udpin:10.0.0.1:1,signing=required,rate=9", "udpin:10.0.0.1:2,rate=9,
 }
 
 TEST_CASE("without a key no link signs, and none may be asked to") {
-  const Config config = good({"--mavlink=udpin:10.0.0.1:1", "--mavlink=udpin:10.0.0.1:2,signing=off"});
+  const Config config =
+      good({"--mavlink=udpin:10.0.0.1:1", "--mavlink=udpin:10.0.0.1:2,signing=off"});
   CHECK(config.mavlink.size() == 2);
   for (const auto& link : config.mavlink) CHECK(config.policy(link) == app::SigningPolicy::kOff);
   for (const std::string policy : {"accept", "required"}) {
@@ -279,7 +280,8 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
       {"mavlink = [\"udpin:99999\"]\n",
        ":1:12: mavlink: MAVLink link \"udpin:99999\": \"99999\" is not a number from 1 to 65535\n"},
       {"mavlink = [\"serial:/dev/ttyACM0:115201\"]\n",
-       ":1:12: mavlink: MAVLink link \"serial:/dev/ttyACM0:115201\": 115201 is not a supported baud "
+       ":1:12: mavlink: MAVLink link \"serial:/dev/ttyACM0:115201\": 115201 is not a supported "
+       "baud "
        "rate\n"},
       {"can = \"socketcan:\"\n",
        ":1:7: can: \"socketcan:\" is not a CAN bus (allowed: socketcan:, mcast:…)\n"},
@@ -299,7 +301,8 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
        "whole "
        "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
       {"signing-key = 7\n", ":1:15: signing-key: must be a string\n"},
-      {"mavlink = [\"udpin:10.0.0.1:1\", \"udpin:10.0.0.1:2\", \"udpin:10.0.0.1:3\", \"udpin:10.0.0.1:4\", \"udpin:10.0.0.1:5\"]\n",
+      {"mavlink = [\"udpin:10.0.0.1:1\", \"udpin:10.0.0.1:2\", \"udpin:10.0.0.1:3\", "
+       "\"udpin:10.0.0.1:4\", \"udpin:10.0.0.1:5\"]\n",
        ":1:11: mavlink: 5 links (allowed: 1 to 4)\n"},
       {"stop-gpio = \"17\"\n", ":1:13: stop-gpio: \"17\" is not CHIP:LINE, such as gpiochip0:17\n"},
       {"priority = 100\n", ":1:12: priority: allowed: whole numbers from 0 (off) to 99\n"},
