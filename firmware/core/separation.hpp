@@ -116,7 +116,7 @@ struct SeparationState {
   Vec2<S> w_n{};  ///< chosen last
   S stuck_s{};    ///< τ; lessens at half that rate
   bool yielding = false;
-  bool bow_first = false;  ///< turns about: goes bow first, however far it must turn
+  bool bow_first = false;  ///< turning about: bow first, however far it must turn
 };
 
 template <class S>
@@ -392,7 +392,7 @@ Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& 
 }
 
 /// Counts τ: the boat is off its slot, slow beside it (or yields to a stranger), and comes no nearer.
-/// If that lasts while it goes astern, it shall turn about.
+/// If that lasts while it goes astern behind a slot that moves, it turns about.
 template <class S>
 void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
                  const SeparationInput<S>& in, bool stranger) {

@@ -163,7 +163,9 @@ def main(arguments: list[str]) -> int:
     for of_run in track(runs, "sailing", console=console):
         most = merged(most, of_run)
     if not most:
-        raise RuntimeError("the module has noted no value: tools/build ranges")
+        raise RuntimeError(
+            "the module recorded no values: run tools/fixed --ranges, which builds it"
+        )
     found = rows(stated(), most)
     console.print(for_terminal(found))
     return 0 if all(row.kept for row in found) else 1

@@ -51,8 +51,8 @@ class Wiring:
             )
         if self.swapped:
             told.append(
-                "port and starboard are swapped: exchange ESC_PORT and ESC_STBD; if they are "
-                "exchanged already, request the boat's parameters while it logs"
+                "port and starboard are swapped: exchange ESC_PORT and ESC_STBD. If you already "
+                "have, the log lacks the new values: request the boat's parameters while it logs"
             )
         return "; ".join(told)
 

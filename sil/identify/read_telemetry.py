@@ -151,7 +151,7 @@ def _motion(series: Series, t_s: float, name: str, message: Any) -> None:
 def _buses_beside(path: Path, first_s: float, last_s: float) -> list[Path]:
     """The logs of the bus beside a tlog that were written at the same time.
 
-    Each series of logs counts for itself, so equal numbers need not belong together.
+    Tlogs and CAN logs are numbered independently: equal numbers may be of different runs.
     """
     begun = []
     for log in path.parent.glob("can-*.log"):

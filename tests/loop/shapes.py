@@ -6,7 +6,7 @@
 The scenario `lead` with 4 to 20 boats on a radio that loses 10 % and is up to 0.2 s late. A ground
 station asks for a random shape and spacing, again and again; the boat that hears it gives the
 places to the members. Truth is judged: how near two boats come, and when all are in their places.
-With the hull of another preset, at its cruise, plan and shapes are as much larger as the hull.
+With the hull of another preset, at its cruise, plan and shapes scale with the hull's length.
 """
 
 import argparse
@@ -30,11 +30,11 @@ from sil.wire.fleet_table import Member, table_message
 
 FIRST_S, EVERY_S, EACH = 20.0, 200.0, 5  # when shapes of `lead` change, and how many times in a run
 U_MAX_MPS, R_MAX_RADPS = 1.5, 0.8  # r_max of a short hull
-LONG_M = 1.3  # longer hulls turn more slowly, as LAW_R_MAX's default has it
+LONG_M = 1.3  # longer hulls turn more slowly, see LAW_R_MAX
 NEAR_M, STAY_S = 0.3, 5.0  # of a boat of `lead` that has arrived: how near its place, for how long
 COURSE_S = 2.0  # of boat 1, before and after an instant, that give its course
 STEP_S = 0.2  # of what is noted
-SPARE_S = 10.0  # and a turn
+SPARE_S = 10.0  # added to an intercept and a turn
 RADIO = 1
 TURNING = 4  # a shape of so many boats turns with its leader; greater ones keep their bearings
 ROUTE_M = ((0.0, 0.0), (170.0, 0.0), (170.0, 170.0), (0.0, 170.0), (0.0, 0.0))
@@ -115,7 +115,7 @@ class Observer:
 
 
 def fleet(boats: int, *, turns: bool, hull: str = "") -> Scenario:
-    """Boats of `lead`, or of another hull, behind a plan as much larger."""
+    """A fleet of `lead`'s boats or of another hull; the route scales with the hull's length."""
     own = presets.load(hull) if hull else None
     times = size_of(own.vessel.length_m) if own else 1.0
     speed_mps = own.cruise.speed_mps if own else SPEED_MPS
@@ -142,17 +142,17 @@ def fleet(boats: int, *, turns: bool, hull: str = "") -> Scenario:
 
 
 def every_s(one: Scenario) -> float:
-    """From one change to the next."""
+    """Time between two changes."""
     return (one.duration_s - FIRST_S) / EACH
 
 
 def size_of(length_m: float) -> float:
-    """Of a hull, as a multiple of `lead`'s; hulls without a length count as that."""
+    """Length of a hull relative to `lead`'s, at least 1."""
     return max(length_m / scenario.load("lead").vessel.length_m, 1.0)
 
 
 def drawn(generator: np.random.Generator, boats: int, times: float = 1.0) -> Wish:
-    """A shape that this many boats have, so many times as large as for the boats of `lead`."""
+    """A random shape for this many boats, `times` as large as for those of `lead`."""
     while True:
         shape: Shape = generator.choice(get_args(Shape))
         spacing_m = round(float(generator.uniform(3.5, 6.0)), 1)
@@ -203,7 +203,7 @@ def in_shape(off: Array, v: Array, *, turns: bool) -> Array:
 
 
 def from_shape(off: Array, v: Array, *, turns: bool) -> Array:
-    """The reverse."""
+    """Inverse of `in_shape`."""
     return in_shape(off, v * (1.0, -1.0), turns=turns)
 
 

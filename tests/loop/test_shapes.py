@@ -22,7 +22,7 @@ def test_boats_change_their_shape_under_way_and_none_comes_too_near(
         assert it.nearest_m > GUARD * length_m
         assert it.idle == 0 and it.off_m < 0.3
         assert it.arrived_s < np.inf
-    assert sum(it.arrived_s > it.asked_s for it in changes) <= late  # 1 % are, see FLEET.md
+    assert sum(it.arrived_s > it.asked_s for it in changes) <= late  # FLEET.md counts them
 
 
 def test_an_intercept_is_where_boat_and_place_meet() -> None:
@@ -39,7 +39,7 @@ def test_an_intercept_is_where_boat_and_place_meet() -> None:
     assert intercepted_s(never[:, None], np.zeros((1, 2))) == np.inf
 
 
-def test_the_way_out_of_a_shape_that_turns_is_the_way_back() -> None:
+def test_from_shape_is_the_inverse_of_in_shape() -> None:
     generator = np.random.default_rng(4)
     off, v = generator.normal(size=(50, 3, 2)), generator.normal(size=(50, 2))
     there = in_shape(off, v, turns=True)

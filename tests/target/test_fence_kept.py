@@ -379,7 +379,7 @@ def test_a_boat_gives_way_inside_its_fence() -> None:
     assert sea.state == "AUTO" and place(sea) == pytest.approx((40.0, 0.0), abs=0.1)
 
 
-def test_a_fence_that_is_switched_on_during_an_upload_judges_the_items_before_it() -> None:
+def test_a_fence_enabled_during_an_upload_applies_to_earlier_items_too() -> None:
     sea = fenced([at(1, 0)], box(0, 0, 20))
     sea.order(FENCE_ENABLE, 0.0)
     planner = Planner(sea)

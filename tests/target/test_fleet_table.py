@@ -72,7 +72,7 @@ def test_a_stop_ends_a_motor_test() -> None:
     assert_stopped(sea)
 
 
-def test_a_stop_ends_a_pilots_thrust_until_the_sticks_were_centred() -> None:
+def test_a_stop_ends_a_pilots_thrust_until_the_sticks_are_centred() -> None:
     sea = at_sea(WITH_RC)
     sea.boat.on_mavlink(table_message(3, FLEET), sea.now_us)
     hold(sea, rc(on=True), 0.3)

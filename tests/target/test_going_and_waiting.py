@@ -409,7 +409,7 @@ def test_a_script_moves_the_place_in_each_frame() -> None:
     assert place(sea) == pytest.approx((0, 0), abs=0.05) and sea.state == "GUIDED"
 
 
-def test_a_target_after_a_drive_that_another_mode_ended_is_sailed_to() -> None:
+def test_a_boat_sails_to_a_new_target_after_another_mode_ended_a_drive() -> None:
     sea = waiting()
     for _ in range(10):
         sea.say(local(NED, velocity_mps=(0.0, 0.5)))

@@ -119,7 +119,7 @@ def test_a_jump_for_ever_goes_on_for_ever() -> None:
 
 
 @pytest.mark.parametrize("near_m", [0.03, 0.06])
-def test_a_jump_between_two_places_that_are_one_to_the_boat_ends_the_plan(near_m: float) -> None:
+def test_a_jump_between_places_too_near_to_tell_apart_ends_the_plan(near_m: float) -> None:
     sea = sailing([at(4, 0), at(8, 0), at(8 + near_m, 0), bare(JUMP, 1.0, -1.0)])
     sea.run(40.0)
     assert place(sea) == pytest.approx((8, 0), abs=0.3)

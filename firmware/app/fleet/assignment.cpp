@@ -127,7 +127,7 @@ double room_cm(const FleetTable& table, Now now) {
   return least;
 }
 
-/// Velocity over ground of a place that is so far from the root's, m/s, in the shape's axes.
+/// Velocity over ground of a place, m/s; it and `place`, from the root's place, in the shape's axes.
 Way velocity(bool turns, const Way& place, const FleetCourse& root) {
   const double u = root.ahead_mps, r = root.turn_radps;
   if (turns) return {u - r * place.y / 100, r * place.x / 100};
@@ -163,7 +163,7 @@ double slowest_s(const FleetTable& table, Now now, std::size_t root, const Fleet
   return slowest;
 }
 
-/// How long the slowest way takes, s, if the root sails as at an instant of its outlook.
+/// Times for the slowest way, s, if the root sailed as in one sample of its outlook, for each sample.
 class Slowest {
  public:
   Slowest(const FleetTable& table, Now now, std::size_t root, const FleetOutlook& outlook,
@@ -178,7 +178,7 @@ class Slowest {
 
   bool moves() const { return moves_; }
 
-  /// The longest from one time of the move to another.
+  /// The longest of these times between two times of the move; at least kShortest_s.
   double between(double from_s, double to_s) const {
     const double end = static_cast<double>(count_) - 1;
     const auto sample = [&](double number) {
@@ -196,8 +196,7 @@ class Slowest {
   bool moves_ = false;
 };
 
-/// The quickest pace at which no place is too fast at any time of the move; the longer it takes, the
-/// more of the plan counts.
+/// The quickest pace at which no place is ever too fast. A longer move spans more of the plan.
 FleetPace quickest(const Slowest& slowest) {
   FleetPace best;
   const auto until_slow_enough = [](double all_s, auto needs_s) {

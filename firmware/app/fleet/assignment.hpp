@@ -41,8 +41,8 @@ struct FleetOutlook {
 
 /// The table with its places given anew to its members. `now`: their present places, by rank in
 /// `wanted`; nothing for who has none yet. Who follows nobody, or only leads, keeps its place,
-/// unless somebody's way would pass it too near: then all places are free. The outlook is
-/// that of the member of rank `root`; the move begins after `in_s` of it.
+/// unless somebody's way would pass it too near: then all places are free. `root`: the rank
+/// of the member whose outlook it is; `in_s`: from its first sample until the move begins.
 FleetTable assigned(const FleetTable& wanted, std::span<const std::optional<FleetSlot>> now,
                     std::size_t root, const FleetOutlook& outlook, double in_s);
 

@@ -20,8 +20,8 @@ constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 constexpr std::int64_t kMore_us = 200'000;
 // Only the leader knows its plan: another boat that hears a request leaves it that long to it.
 constexpr std::int64_t kLeaders_us = 1'500'000;
-// Only a boat with a place knows where the others begin: one without leaves the request that long to
-// all others, and gets their table meanwhile.
+// A boat without a place does not know where the others begin. It leaves a request to them for this
+// time, and meanwhile gets their table.
 constexpr std::int64_t kMembers_us = 6'000'000;
 // A boat gets a newer table within this time, if any member holds it. After that, a member that still
 // names the greater epoch is faulty: it no longer counts as a leader.
@@ -106,7 +106,7 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
   }
 }
 
-/// How long this boat leaves a request to others, who may know more; nothing: for ever.
+/// How long this boat leaves a request to boats that know more; nothing: it never answers.
 std::optional<std::int64_t> Fleet::gives_in(const FleetTable& wanted) const {
   const bool has_place = rank_in(ledger_.current(), system_).has_value();
   if (!has_place) return is_of(wanted, system_) ? std::optional(kMembers_us) : std::nullopt;
@@ -158,7 +158,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     }
     return;
   }
-  // Who is left out of a table has to know it, or it may take the place of a leader that it replaces.
+  // A boat that the newest table leaves out needs it too: otherwise it may take over from the leader.
   if (!is_of(held, from) && !ledger_.replaces(beacon.epoch, beacon.digest)) return;
   FleetTable theirs;
   theirs.epoch = beacon.epoch;

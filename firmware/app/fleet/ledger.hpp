@@ -32,7 +32,7 @@ class FleetLedger {
   /// When newest() comes or came into force.
   std::int64_t valid_us() const { return valid_us_; }
 
-  /// Whether that is the table which newest() replaces.
+  /// Whether newest() replaces the table with this epoch and digest.
   bool replaces(std::uint16_t epoch, std::uint16_t digest) const;
 
  private:

@@ -25,7 +25,7 @@ struct FleetMember {
   FleetSlot slot_cm{};
 };
 
-/// A share on the wire is so many times as great.
+/// Shares go over the wire as integers from 0 to kShares.
 constexpr double kShares = 255;
 
 struct FleetTable {

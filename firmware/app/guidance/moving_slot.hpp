@@ -63,7 +63,7 @@ Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot, core::
   return lead;
 }
 
-/// From the usual gains and look-ahead to those behind a slot that moves.
+/// Doubles the gains and halves the look-ahead, for a slot that moves.
 template <class S>
 void hasten(core::VirtualVelocityParams<S>& gains, core::LineOfSightParams<S>& sight) {
   gains.k_x = S(2) * gains.k_x;

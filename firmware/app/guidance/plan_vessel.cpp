@@ -49,7 +49,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   }
 }
 
-/// A plan whose jumps lead over one place again and again ends there.
+/// Reads a limited number of points: where jumps lead over one place again and again, the plan ends.
 template <class S>
 void PlanVessel<S>::fill(Plan plan) {
   std::size_t left = 2 * plan.size() + kWindow;

@@ -316,7 +316,7 @@ bool MissionService::enable_fence(bool on) {
   return true;
 }
 
-/// Both the plan and the items of one that comes in were judged by another fence.
+/// The fence or the margin has changed: the plan is judged again, and a plan in upload once it is whole.
 void MissionService::judge_anew() {
   check_.begin();
   if (upload_) upload_->judged = false;

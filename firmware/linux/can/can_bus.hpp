@@ -74,7 +74,7 @@ std::span<const link::CanFrame> first_transfer(std::span<const link::CanFrame> f
 /// frames may leave the machine.
 std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node);
 
-/// Opens nothing, and throws what opening it would throw.
+/// Throws std::runtime_error if the address is malformed; opens nothing.
 void require_can_address(std::string_view address);
 
 }  // namespace flotilla::target

@@ -60,7 +60,7 @@ void read_link_option(std::string_view option, MavlinkLinkConfig& link) {
                    ",signing=off, accept or required)");
 }
 
-/// A mistake that opening the address would find is told with the place of the value.
+/// Reports a malformed address as any other invalid value, with its place in the file.
 void require_address(void (*require)(std::string_view), std::string_view address) {
   try {
     require(address);

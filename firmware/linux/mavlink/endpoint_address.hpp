@@ -20,7 +20,7 @@ struct EndpointAddress {
 /// The last part as a number from 1 to `greatest`, else refuses.
 unsigned number_of(const EndpointAddress& address, unsigned greatest);
 
-/// What a socket or a port needs of an address, else refuses.
+/// The address of a socket, or the code of a serial port's baud rate; refuses a malformed address.
 sockaddr_in socket_address_of(const EndpointAddress& address);
 speed_t speed_of(const EndpointAddress& address);
 

@@ -56,7 +56,7 @@ class MavlinkEndpoint {
 /// reopen() opens it once it appears. Throws std::runtime_error that names a mistake of syntax.
 std::unique_ptr<MavlinkEndpoint> open_mavlink_endpoint(std::string_view address);
 
-/// Opens nothing, and throws what opening it would throw.
+/// Throws std::runtime_error if the address is malformed; opens nothing.
 void require_mavlink_address(std::string_view address);
 
 }  // namespace flotilla::target

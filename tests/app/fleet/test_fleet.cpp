@@ -215,7 +215,7 @@ TEST_CASE("a boat without a table leaves a request to those that have one") {
   CHECK(harbour.leader_of(4) == 1);
 }
 
-TEST_CASE("places that are given are judged as a table is: hulls differ") {
+TEST_CASE("assigned places too near for the hulls are refused, as in any table") {
   Harbour harbour = under_way();
   FleetTable wish = table_of_four(2);
   wish.assigns = true;
@@ -253,7 +253,7 @@ TEST_CASE("a boat that gets a table late is in step with the others") {
   }
 }
 
-TEST_CASE("a boat that a new table leaves out gets it, and takes nothing over") {
+TEST_CASE("a boat that a new table leaves out gets that table, and does not take over") {
   Harbour harbour = under_way();
   FleetTable next = table_of_four(2);
   next.members[1] = next.members[3];
@@ -463,7 +463,7 @@ TEST_CASE("a stop reaches all at once; nobody takes over after it") {
   for (const Boat& boat : harbour.boats) CHECK(boat.state == core::State::kHold);
 }
 
-TEST_CASE("a stop is ordered once, whatever the boat does then, and also to a boat in HOLD") {
+TEST_CASE("a stop is ordered once, also to a boat in HOLD or under an RC pilot") {
   Harbour harbour = under_way();
   harbour.boats[1].state = core::State::kHold;
   harbour.boats[2].state = core::State::kManual;

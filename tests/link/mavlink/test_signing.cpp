@@ -346,7 +346,7 @@ TEST_CASE("started again with a clock that is behind, a boat sends newer stamps 
   CHECK(after.timestamp() == kNow + 3600 * kSecond);
 }
 
-TEST_CASE("by a guessed clock nothing is valid that is older than the last voyage's last message") {
+TEST_CASE("by a guessed clock, messages over a minute older than the stored timestamp are stale") {
   for (const std::uint64_t guess : {kNow - kDay, kNow, kNow + 3600 * kSecond}) {
     Keyed boat;
     boat.start(counting_key(), guess, kNow);
