@@ -20,7 +20,7 @@ from sil.campaign.campaign_files import Folder, Identity
 from sil.campaign.progress import bar
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import OtherCodeError, Share, ShareResult, code
-from sil.cli.out_folder import claim
+from sil.common.out_folder import claim
 from sil.lockstep.policies import PolicyViolationError
 from sil.lockstep.start import StartError
 from sil.lockstep.world import check

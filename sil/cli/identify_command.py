@@ -11,7 +11,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from sil.cli.out_folder import claim
+from sil.common.out_folder import claim
 
 EXAMPLES = (
     "flotilla identify voyage.csv --mass 17 --length 1.2 --arm 0.28",

@@ -11,8 +11,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from sil.cli.out_folder import claim
 from sil.cli.run_command import leave_motion
+from sil.common.out_folder import claim
 from sil.scenario import arguments
 
 EXAMPLES = (

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sil.cli.out_folder import claim
+from sil.common.out_folder import claim
 from sil.scenario import arguments
 
 if TYPE_CHECKING:

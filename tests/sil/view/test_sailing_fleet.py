@@ -174,7 +174,7 @@ def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dic
     shown in COAST.
     """
     for name in BOATS:
-        browser.until(f"{STATE_OF} === 'FORMATION'", name)
+        browser.until(f"{STATE_OF} === 'FORMATION'", name, patience_s=150.0)  # a live run starts
     before = places(browser)
     began_s = browser.run("return flotilla.shown.t_s")
     browser.until("return flotilla.shown.t_s > arguments[0]", began_s + 8.0)

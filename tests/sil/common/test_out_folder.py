@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sil.cli.main import main
-from sil.cli.out_folder import claim
+from sil.common.out_folder import claim
 
 
 def summary(folder: Path, text: str) -> Path:
