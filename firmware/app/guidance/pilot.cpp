@@ -227,11 +227,14 @@ core::ControllerOutput<S> Pilot<S>::step_law(const core::Traffic<S>* traffic, S 
   const core::SlotParams<S> own_slot = std::exchange(law.slot, follower_.lead().slot);
   const core::VirtualVelocityParams<S> usual = law.outer;
   const core::LineOfSightParams<S> usual_sight = law.sight;
-  if (kMoves && law.slot.moves) hasten(law.outer, law.sight);
+  const bool hastens = kMoves && law.slot.moves;
+  if (hastens) hasten(law.outer, law.sight);
   const auto out = follower_.step(law_, own_, traffic, dt);
   law.slot = own_slot;
-  law.outer = usual;
-  law.sight = usual_sight;
+  if (hastens) {
+    law.outer = usual;
+    law.sight = usual_sight;
+  }
   own_.desire(out.desired.nu_star);
   return out;
 }
