@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 MOST_LATE = 0.02  # of the ticks
-WORLD_LATE_S = 0.1  # after 0.5 s boats rightly stop
+WORLD_LATE_S = 0.3  # the run itself then says that the machine is too slow; boats stop at 0.5 s
 
 
 def sail_punctually(sail: Callable[[Path], None], parent: Path) -> Path:

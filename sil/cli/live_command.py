@@ -2,7 +2,8 @@
 """Sails a scenario in real time, with one flotillad process and one CAN bus for each boat.
 
 Exit status: 0; 1 if the verdict is red (a boat stopped, or two boats came nearer than a hull's
-length), unless --gcs lets a ground station command the boats; 2 after a mistake of the caller.
+length), unless --gcs lets a ground station command the boats; 2 after a mistake of the caller, or
+if a boat's process ended.
 """
 
 import argparse

@@ -25,7 +25,7 @@ from sil.wire.dronecan import RAW_COMMAND, RawCommand
 from sil.wire.dronecan_transfer import Receiver, message_subject
 from sil.wire.tlog import packets
 
-_FULL_RAW = 8191.0
+_FULL_RAW, _ESCS = 8191.0, 20
 _AUTOPILOT = 1
 _LEFT, _RIGHT = 73, 74
 _STOP_US, _FULL_US = 1500.0, 400.0
@@ -53,7 +53,7 @@ def read_tlog(path: Path) -> VoyageLog:
             _motion(series, t_s, name, message)
         elif source[0] == system and name == "PARAM_VALUE":
             outputs.parameter(message.param_id, message.param_value)
-            if message.param_id in escs:
+            if message.param_id in escs and 0 <= message.param_value < _ESCS:
                 escs[message.param_id] = int(message.param_value)
         elif source[0] == system and name == "SERVO_OUTPUT_RAW":
             raw = [getattr(message, f"servo{k}_raw", 0) for k in range(1, 17)]

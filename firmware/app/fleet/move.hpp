@@ -3,7 +3,8 @@
 // the leader's plan permits before T₁ and after it.
 //
 //   ṡ rises to v₁ in ρ, goes over to v₂ in ρ around T₁, and falls to 0 in ρ, until T
-//   v₁ = s₁ / (T₁ − ρ/2),  v₂ = (1 − s₁) / (T − T₁ − ρ/2)      s₁: the share at T₁ if that ramp took no time
+//   v₁ = s₁ / (T₁ − ρ/2),  v₂ = (1 − s₁) / (T − T₁ − ρ/2)
+//   s₁: the share at T₁ if the ramp there took no time
 //   ρ = min(4 s, ⅔ T₁, ⅔ (T − T₁));   without T₁: T₁ = T/2, s₁ = ½, so that v₁ = v₂
 //
 // The ramps give a boat time to turn to its place's new course.

@@ -10,9 +10,9 @@
 //  U, r, U̇      leader's velocity, yaw rate, acceleration            m/s, rad/s, m/s²
 //  d, w, ẇ      slot; its velocity and acceleration in the shape     m, m/s, m/s²
 //
-// While the slot moves, k_x and k_ψ are doubled and the look-ahead is halved. The usual gains suit noise and
-// delay behind a slot that rests in the shape. With them a boat of 1.2 m turned about in 7 s, was
-// left behind by its slot, and closed up slowly.
+// While the slot moves, k_x and k_ψ are doubled and the look-ahead is halved. The usual gains suit
+// noise and delay behind a slot that rests in the shape. With them a boat of 1.2 m turned about in
+// 7 s, was left behind by its slot, and closed up slowly.
 //
 // Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat already
 // turns to V_s. A boat that turned with its slot would be left behind.

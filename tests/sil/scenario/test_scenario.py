@@ -257,23 +257,19 @@ def test_mistake_in_the_file_is_told_by_line_and_key(
 @pytest.mark.parametrize(
     ("line", "new", "told"),
     [
-        ("eta = [1, 0, 0]", "eta = 5", 'shaped.toml:3: "leader.eta" = 5: must be an array'),
-        ("eta = [1, 0, 0]", "eta = [0, 0]", 'shaped.toml:3: "leader.eta" = [0, 0]: must have 3'),
-        ("eta = [1, 0, 0]", 'eta = ["a", 0, 0]', "shaped.toml:3: "),
-        ("[boat.2]", "[boat.2.eta]\nnorth = 1\n[boat.3]", 'shaped.toml:9: "boat.2.eta.north": '),
-        ("duration_s = 10.0", "boat.3 = 5", 'shaped.toml:1: "boat.3" = 5: must be a table'),
+        ("eta = [1, 0, 0]", "eta = 5", 'pair.toml:3: "leader.eta" = 5: must be an array'),
+        ("eta = [1, 0, 0]", "eta = [0, 0]", 'pair.toml:3: "leader.eta" = [0, 0]: must have 3'),
+        ("eta = [1, 0, 0]", 'eta = ["a", 0, 0]', "pair.toml:3: "),
+        ("[boat.2]", "[boat.2.eta]\nnorth = 1\n[boat.3]", 'pair.toml:9: "boat.2.eta.north": '),
+        ("duration_s = 10.0", "boat.3 = 5", 'pair.toml:1: "boat.3" = 5: must be a table'),
         ("[boat.2]", "[[boat]]", '"boat": [formation] creates the boats; use [boat.2]'),
     ],
 )
 def test_mistake_beside_a_formation_is_told_by_line_and_key(
     tmp_path: Path, line: str, new: str, told: str
 ) -> None:
-    path = tmp_path / "shaped.toml"
     assert SHAPED.count(line) == 1
-    path.write_text(SHAPED.replace(line, new), encoding="utf-8")
-    with pytest.raises(ScenarioError) as error:
-        load(path)
-    assert told in str(error.value)
+    assert told in complaint(tmp_path, SHAPED.replace(line, new))
 
 
 @pytest.mark.parametrize("key", ["eta", "nu", "input.1.surge_N"])

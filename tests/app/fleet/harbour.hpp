@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// Fleets of the shipped class that hear each other's messages.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "app/fleet/fleet.hpp"
+#include "app/fleet/tables.hpp"
+
+namespace flotilla::app::testing {
+
+constexpr std::int64_t kSecond_us = 1'000'000, kTick_us = 10'000;
+constexpr link::Address kOperator{255, 190};
+
+struct Boat {
+  std::uint8_t system = 0;
+  core::State state = core::State::kFormation;
+  Configuration::Formation own{};
+  Fleet fleet{};
+  FleetOrder order = FleetOrder::kNone;
+  std::int64_t clock_us = 0;  ///< its own clock's zero
+  float most_mps = 1.5F;
+  bool on = true;
+  std::size_t bytes = 0;
+  int stops = 0;
+
+  bool moves(std::int64_t now_us) const { return fleet.moves(now_us + clock_us); }
+};
+
+/// Boats that hear each other without loss; the radio can be cut.
+struct Harbour {
+  std::vector<Boat> boats{4};
+  std::int64_t now_us = 0;
+
+  Harbour() {
+    for (std::size_t i = 0; i < boats.size(); ++i) {
+      boats[i].system = static_cast<std::uint8_t>(i + 1);
+      boats[i].own.leader = 100;
+      boats[i].clock_us = static_cast<std::int64_t>(i) * 3600 * kSecond_us;
+    }
+    boats[0].state = core::State::kAuto;
+  }
+
+  void hear(std::size_t who, const link::Message& message, link::Address from) {
+    link::Received received;
+    received.message = message;
+    received.from = from;
+    const auto trust = from == kOperator ? Fleet::Trust::kCommands : Fleet::Trust::kMember;
+    boats[who].fleet.hear(received, trust, now_us + boats[who].clock_us);
+  }
+
+  void spread(std::size_t from, const link::Message& message, std::size_t bytes) {
+    boats[from].bytes += bytes;
+    for (std::size_t to = 0; to < boats.size(); ++to) {
+      if (to != from && boats[to].on) hear(to, message, {boats[from].system, 1});
+    }
+  }
+
+  void sail(double s) {
+    const auto end_us = now_us + static_cast<std::int64_t>(s * 1e6);
+    for (; now_us < end_us; now_us += kTick_us) {
+      for (std::size_t i = 0; i < boats.size(); ++i) {
+        Boat& boat = boats[i];
+        if (!boat.on) continue;
+        const std::int64_t clock_us = now_us + boat.clock_us;
+        if (now_us % 100'000 == 0) spread(i, link::Attitude{}, 0);
+        if (boat.fleet.asks_outlook(clock_us)) {
+          const FleetOutlook outlook{.at = {{{0.6F, 0.0F, 0.0F}}}, .most_mps = boat.most_mps};
+          boat.fleet.give_places(outlook, clock_us);
+        }
+        const FleetReport report{boat.system, boat.state, true, {77, 3}};
+        boat.order = boat.fleet.step(report, boat.own, kSecond_us, clock_us);
+        const bool planned = boat.fleet.place().plan_id != 0;
+        if (boat.order == FleetOrder::kLead) {
+          boat.state = planned ? core::State::kAuto : core::State::kLoiter;
+        }
+        if (boat.order == FleetOrder::kFollow) boat.state = core::State::kFormation;
+        if (boat.order == FleetOrder::kStop) {
+          boat.state = core::State::kHold;
+          boat.fleet.stopped();
+          ++boat.stops;
+        }
+        if (const auto beacon = boat.fleet.beacon(clock_us)) spread(i, *beacon, 24);
+        if (const auto table = boat.fleet.table(clock_us)) spread(i, *table, 49);
+      }
+    }
+  }
+
+  Parameters applied(std::size_t who) const {
+    Parameters p;
+    p.FORM_LEADER = 100;
+    return boats[who].fleet.applied(p);
+  }
+  float leader_of(std::size_t who) const { return applied(who).FORM_LEADER; }
+};
+
+/// Five seconds behind boat 1, by the first table.
+inline Harbour under_way() {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  return harbour;
+}
+
+}  // namespace flotilla::app::testing
