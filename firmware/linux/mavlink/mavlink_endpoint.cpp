@@ -29,6 +29,15 @@ EndpointAddress split(std::string_view address) {
           whole.substr(last + 1)};
 }
 
+/// Serial, or a kind of UDP; refuses other kinds.
+bool is_serial(const EndpointAddress& parts) {
+  if (parts.scheme == "serial") return true;
+  if (parts.scheme != "udpin" && parts.scheme != "udpout" && parts.scheme != "udpbcast") {
+    refuse(parts.whole, "unknown kind \"" + parts.scheme + "\": udpin, udpout, udpbcast or serial");
+  }
+  return false;
+}
+
 }  // namespace
 
 void refuse(std::string_view address, const std::string& why) {
@@ -47,19 +56,16 @@ unsigned number_of(const EndpointAddress& address, unsigned greatest) {
 
 void require_mavlink_address(std::string_view address) {
   const EndpointAddress parts = split(address);
-  if (parts.scheme == "serial") {
+  if (is_serial(parts)) {
     speed_of(parts);
-  } else if (parts.scheme == "udpin" || parts.scheme == "udpout" || parts.scheme == "udpbcast") {
-    socket_address_of(parts);
   } else {
-    refuse(address, "unknown kind \"" + parts.scheme + "\": udpin, udpout, udpbcast or serial");
+    socket_address_of(parts);
   }
 }
 
 std::unique_ptr<MavlinkEndpoint> open_mavlink_endpoint(std::string_view address) {
-  require_mavlink_address(address);
   const EndpointAddress parts = split(address);
-  if (parts.scheme == "serial") return std::make_unique<SerialEndpoint>(parts);
+  if (is_serial(parts)) return std::make_unique<SerialEndpoint>(parts);
   return std::make_unique<UdpEndpoint>(parts);
 }
 
