@@ -103,7 +103,7 @@ def beacons(data: bytes) -> Iterator[tuple[int, Beacon]]:
 
 def beacon_of(fields: tuple[int, ...]) -> Beacon:
     """A beacon from its fields, in the order of the wire."""
-    _, epoch, digest, item, flags, follows = fields
+    _, epoch, digest, item, flags, follows, _ = fields
     return Beacon(epoch, bool(flags & 1), bool(flags & 2), follows, item, digest)
 
 

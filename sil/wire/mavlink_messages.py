@@ -24,7 +24,7 @@ SEEDS: dict[int, int] = {
     ESC_STATUS: 10,
     FORMATION_REFERENCE: 131,
     FORMATION_FUTURE: 89,
-    FLEET_BEACON: 25,
+    FLEET_BEACON: 241,
     FLEET_TABLE: 200,
 }
 """Checksum seed (CRC_EXTRA) of every known message, by its number."""
@@ -54,6 +54,6 @@ LAYOUTS: dict[int, Struct] = {
     **{number: mavlink.mavlink_map[number].unpacker for number in _READ},
     ESC_INFO: Struct("<Q4IH4H4hBBBB"),
     ESC_STATUS: Struct("<Q4i4f4fB"),
-    FLEET_BEACON: Struct("<IHHHBB"),
+    FLEET_BEACON: Struct("<IHHHBBB"),
 }
 """Fields of messages that are read, in the order of the wire: the widest first, extensions last."""

@@ -99,11 +99,13 @@ class Fleet {
   };
 
   /// A member sends its beacons and all else from one component; 0: no beacon was heard yet.
-  /// ahead_ms: since when it names a greater epoch than this boat's; 0: it does not.
+  /// ahead_ms: since when it names a greater epoch than this boat's; 0: it does not. beacon_ds,
+  /// in 0.1 s, and sequence: of its latest beacon.
   struct Heard {
     std::int64_t at_us = kNever;
     std::uint32_t ahead_ms = 0;
-    std::uint8_t component = 0;
+    std::uint16_t beacon_ds = 0;
+    std::uint8_t component = 0, sequence = 0;
   };
 
   void take(const link::Received& received, const link::FleetTable& message, Trust trust,
@@ -111,6 +113,7 @@ class Fleet {
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   bool is_stop(const FleetTable& table) const;
+  static bool is_overtaken(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us);
   std::optional<std::int64_t> gives_in(const FleetTable& wanted) const;
   std::optional<Place> place_of(std::uint8_t system, std::int64_t now_us) const;
   static FleetSlot rest_of(const Place& place, double fades_s);

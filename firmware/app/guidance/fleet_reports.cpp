@@ -2,7 +2,6 @@
 #include "app/guidance/fleet_reports.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <span>
 
 #include "app/parameters.hpp"
@@ -73,7 +72,7 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
     const bool follows = (told->flags & mav::kReferenceFollowed) != 0 && told->root == own_;
     take_member(from, follows, now_us);
   } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
-    if (std::strncmp(value->name.data(), "IN_SLOT", value->name.size()) != 0) return;
+    if (!link::is_text(value->name, "IN_SLOT")) return;
     Member* member = find(from);
     if (member == nullptr) return;
     member->was_in = member->was_in || value->value > 0;

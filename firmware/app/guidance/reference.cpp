@@ -69,7 +69,7 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
   const std::int64_t valid_us = stamp->us - age_us, least_us = stamp->least_us - age_us;
   // A motion whose future is known does not become too old for the boats behind.
   const bool covered = lasting_us(now_us, 0) > now_us - valid_us;
-  if (leads) place_.hear(m, covered ? now_us : valid_us, now_us);
+  if (leads && !stamp->overtaken) place_.hear(m, covered ? now_us : valid_us, now_us);
   const auto branch = place_.branch(now_us);
   if (own == nullptr || branch != Branch{m.root, m.maker}) return;
   if (!is_newer(m, *branch, valid_us)) return;

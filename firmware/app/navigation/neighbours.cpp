@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <string_view>
 
 #include "app/convert/portable.hpp"
 
@@ -24,11 +23,6 @@ bool is_vehicle(const link::Heartbeat& beat) {
                                                36, 37, 38, 39, 40, 41, 42, 44, 48, 49, 50};
   return beat.autopilot != link::mav::kAutopilotInvalid &&
          std::find(kNone.begin(), kNone.end(), beat.type) == kNone.end();
-}
-
-bool is_named(const link::NamedValueFloat& message, std::string_view name) {
-  return std::string_view(message.name.data(), name.size()) == name &&
-         message.name[name.size()] == '\0';
 }
 
 /// A message that no other firmware sends.
@@ -85,7 +79,7 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   }
   if (component == 0 || autopilot_[system] != component) return;
   if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
-    take_origin(system, *origin, now_us);
+    take_origin(system, *origin);
   } else if (const auto sample = place_of<S>(received.message)) {
     take_place(system, *sample, own, now_us);
   }
@@ -102,7 +96,8 @@ void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& messa
 void Neighbours::take_depth(link::Address from, const link::NamedValueFloat& message) {
   const auto [system, component] = from;
   const float told = message.value;
-  if (component == 0 || speaker_[system] != component || !is_named(message, "DEPTH")) return;
+  if (component == 0 || speaker_[system] != component || !link::is_text(message.name, "DEPTH"))
+    return;
   if (!(told >= 0 && told <= kDeepest)) return;
   const auto depth = static_cast<std::uint8_t>(told);
   if (static_cast<float>(depth) != told) return;
@@ -110,13 +105,19 @@ void Neighbours::take_depth(link::Address from, const link::NamedValueFloat& mes
   if (Vessel* vessel = find(system)) vessel->depth = depth;
 }
 
-void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message,
-                             std::int64_t now_us) {
+void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message) {
   if (!convert::is_valid(message)) return;
-  Vessel* vessel = place_for(system, std::nullopt, {}, now_us);
-  if (vessel == nullptr) return;
-  vessel->origin = message;
-  vessel->has_origin = true;
+  LocalFrame* frame = std::ranges::find(local_frames_, system, &LocalFrame::system);
+  if (frame == local_frames_.end()) {
+    frame = &local_frames_[next_frame_];
+    next_frame_ = (next_frame_ + 1) % local_frames_.size();
+  }
+  *frame = {system, message};
+}
+
+const link::GpsGlobalOrigin* Neighbours::origin_of(std::uint32_t id) const {
+  const LocalFrame* frame = std::ranges::find(local_frames_, id, &LocalFrame::system);
+  return frame != local_frames_.end() ? &frame->origin : nullptr;
 }
 
 /// The receiver may be our own, and repeats a report with its age.
@@ -137,13 +138,11 @@ void Neighbours::take_ais(const link::AisVessel& message, const convert::Positio
 template <class S>
 Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Sample<S>& sample,
                                            const convert::Position& own, std::int64_t now_us) {
-  const Vessel* known = find(id);
   const bool local = !sample.at;
-  if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) {
-    return nullptr;
-  }
+  const link::GpsGlobalOrigin* origin = local ? origin_of(id) : &own.origin;
+  if (!convert::is_valid(own.origin) || origin == nullptr) return nullptr;
   const convert::Sample<S> seen = local ? sample : convert::in_plane(sample, own.origin);
-  const convert::Position there{seen.north_m, seen.east_m, local ? known->origin : own.origin};
+  const convert::Position there{seen.north_m, seen.east_m, *origin};
   if (!convert::near(own, there)) return nullptr;
   core::Motion<S> motion;
   motion.psi = seen.psi_rad;
@@ -213,11 +212,10 @@ Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
 }
 
 /// The vessel's own entry, else a free one, else that of the farthest vessel if this one is nearer.
-Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, std::optional<double> distance_m,
+Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
                                           const convert::Position& own, std::int64_t now_us) {
   if (Vessel* known = find(id)) return known;
-  constexpr double kNowhere = std::numeric_limits<double>::infinity();
-  double farthest_m = distance_m.value_or(kNowhere);
+  double farthest_m = distance_m;
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
     const bool free = v.id == 0 || now_us - std::max(v.true_us, v.late_us) > patience_us(v);

@@ -66,18 +66,22 @@ class Neighbours {
   struct Vessel {
     std::uint32_t id = 0;  ///< system id, or MMSI, which is greater; 0: a free entry
     bool located = false;
-    bool dated = false;  ///< ahead_us is known
-    bool has_origin = false;
+    bool dated = false;    ///< ahead_us is known
     bool rests = false;    ///< a ship that stays where it is
     bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
     float reach_m = 0;  ///< of the hull beyond the position
     Metres north_m, east_m;
-    link::GpsGlobalOrigin origin{};  ///< of its local frame
-    std::int64_t true_us = 0;        ///< when its state was true, by our clock
-    std::int64_t ahead_us = 0;       ///< our clock less its stamps, by the promptest message
-    std::int64_t late_us = kNever;   ///< when a message last came too late to be used
+    std::int64_t true_us = 0;       ///< when its state was true, by our clock
+    std::int64_t ahead_us = 0;      ///< our clock less its stamps, by the promptest message
+    std::int64_t late_us = kNever;  ///< when a message last came too late to be used
+  };
+
+  /// Of a system's local frame. Kept for vessels without an entry too: they may come nearer.
+  struct LocalFrame {
+    std::uint8_t system = 0;
+    link::GpsGlobalOrigin origin{};
   };
 
   /// Whether a message can be of use; false for the states of the own unit and of a virtual leader.
@@ -90,7 +94,8 @@ class Neighbours {
   void take_news(const link::Received& received, const convert::Position& own, std::int64_t now_us);
   void take_heartbeat(link::Address from, const link::Heartbeat& message);
   void take_depth(link::Address from, const link::NamedValueFloat& message);
-  void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message, std::int64_t now_us);
+  void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message);
+  const link::GpsGlobalOrigin* origin_of(std::uint32_t id) const;
   template <class S>
   void take_ais(const link::AisVessel& message, const convert::Position& own, std::int64_t now_us);
   /// Stores the place if this is the vessel's newest state, and returns its entry; else nullptr.
@@ -101,8 +106,8 @@ class Neighbours {
   template <class S>
   void look_from(const convert::Position& own);
   Vessel* find(std::uint32_t id);
-  Vessel* place_for(std::uint32_t id, std::optional<double> distance_m,
-                    const convert::Position& own, std::int64_t now_us);
+  Vessel* place_for(std::uint32_t id, double distance_m, const convert::Position& own,
+                    std::int64_t now_us);
   static std::int64_t patience_us(const Vessel& vessel);
   static bool counts(const Vessel& vessel, std::int64_t now_us);
   bool has_way(const Vessel& vessel) const;
@@ -118,6 +123,8 @@ class Neighbours {
   link::GpsGlobalOrigin frame_{};  // of all places
   std::int64_t late_us_ = kNever;  // the latest late_us of all
   std::array<Vessel, core::kMaxVessels> vessels_{};
+  std::array<LocalFrame, core::kMaxVessels> local_frames_{};
+  std::size_t next_frame_ = 0;                 // the one that is replaced when all are in use
   std::size_t used_ = 0;                       // entries of vessels_ that were ever in use
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
   std::array<std::uint8_t, 256> speaker_{};    // component that speaks our dialect, by system

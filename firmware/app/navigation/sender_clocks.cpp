@@ -39,16 +39,20 @@ std::optional<SenderClocks::Stamp> SenderClocks::heard(link::Address from, std::
     *sender = {from, rank, stamp_us, now_us, {}};
   }
   stamp_us = convert::unwrapped_us(stamp_us, sender->stamp_us);
-  if (stamp_us < sender->stamp_us - kReboot_us) sender->clock.reset();
-  sender->rank = rank;
-  sender->stamp_us = stamp_us;
-  sender->arrived_us = now_us;
+  // A clock that was restarted tells nothing newer meanwhile.
+  const bool overtaken = stamp_us < sender->stamp_us && now_us - sender->arrived_us < kReboot_us;
+  if (!overtaken) {
+    if (stamp_us < sender->stamp_us - kReboot_us) sender->clock.reset();
+    sender->rank = rank;
+    sender->stamp_us = stamp_us;
+    sender->arrived_us = now_us;
+  }
   sender->clock.heard(stamp_us, now_us);
   const ClockOffset& clock = sender->clock;
   const std::int64_t lag_us = clock.was_answered() ? 0 : lag_us_.value_or(0);
   return Stamp{std::min(stamp_us + *clock.offset_us(), now_us) - lag_us,
                std::min(stamp_us + *clock.least_us(), now_us) - lag_us,
-               clock.was_answered() || (lag_us_ && !clock.disputed())};
+               clock.was_answered() || (lag_us_ && !clock.disputed()), overtaken};
 }
 
 void SenderClocks::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,

@@ -22,6 +22,7 @@ class SenderClocks {
     std::int64_t us;
     std::int64_t least_us;  ///< at the clock's worst possible error
     bool timed;             ///< false: the latency is unknown, and taken as 0
+    bool overtaken;         ///< a later message of the sender came first, on a faster link
   };
 
   /// A message of that sender has arrived; nothing if there is no room for its clock. Rank: depth in

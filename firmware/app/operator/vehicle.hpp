@@ -246,6 +246,7 @@ class Vehicle {
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
+  std::array<bool, kMaxLinks> reference_waits_{};  // for the link's budget
   struct ToldFuture {
     std::uint32_t news = 0;
     bool again = false;

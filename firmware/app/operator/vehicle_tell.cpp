@@ -166,9 +166,9 @@ void Vehicle::tell_state(link::Counters& counters) {
 }
 
 /// Checks the link's budget once for both, so that a slow link does not separate attitude and
-/// position.
+/// position. If the reference waits, the state leaves this turn to it.
 void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
-  if (!links_.bucket(link).for_state()) return;
+  if (!links_.bucket(link).for_state() || std::exchange(reference_waits_[link], false)) return;
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
     const StreamInfo& info = kStreams[kStateStreams[i]];
     Schedule& schedule = streams_.schedule(kStateStreams[i], link);
@@ -195,10 +195,11 @@ bool Vehicle::reference_is_due(std::size_t link, std::uint32_t news) const {
 void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference& reference,
                              link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (!reference_is_due(link, news) || !links_.bucket(link).for_state() ||
-        links_.room(link) < kStreams[kReferenceStream].bytes) {
+    if (!reference_is_due(link, news) || links_.room(link) < kStreams[kReferenceStream].bytes) {
       continue;
     }
+    reference_waits_[link] = !links_.bucket(link).for_state();
+    if (reference_waits_[link]) continue;
     links_.send_state(link, reference, counters);
     streams_.schedule(kReferenceStream, link).take(now_us_);
     told_news_[link] = news;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace flotilla::link {
 
@@ -18,5 +19,11 @@ struct Address {
 /// NUL-padded; a text that fills its array has no NUL.
 template <std::size_t N>
 using Text = std::array<char, N>;
+
+/// Whether a text is `other`, which is shorter than N.
+template <std::size_t N>
+bool is_text(const Text<N>& text, std::string_view other) {
+  return std::string_view(text.data(), other.size()) == other && text[other.size()] == '\0';
+}
 
 }  // namespace flotilla::link

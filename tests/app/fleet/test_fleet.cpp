@@ -127,6 +127,30 @@ TEST_CASE("another component with a dead leader's system id does not keep it ali
   CHECK(harbour.boats[1].state == core::State::kAuto);
 }
 
+TEST_CASE("a leader's beacon that comes late by a slower link does not depose it") {
+  for (const std::uint8_t late : {std::uint8_t{99}, std::uint8_t{250}}) {
+    CAPTURE(late);
+    Harbour harbour = under_way();
+    link::FleetBeacon beacon{};
+    beacon.epoch = 1;
+    beacon.digest = table_of_four(1).digest;
+    beacon.plan_id = 77;
+    const auto hear = [&](std::uint8_t flags, std::uint8_t sequence) {
+      beacon.flags = flags;
+      beacon.sequence = sequence;
+      for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, beacon, {1, 1});
+    };
+    hear(3, static_cast<std::uint8_t>(late + 20));  // fit, leads
+    hear(0, late);
+    harbour.sail(1);
+    CHECK(harbour.boats[1].state == core::State::kFormation);
+    CHECK(harbour.leader_of(1) == 1);
+    harbour.boats[0].state = core::State::kHold;  // its own beacons have smaller numbers
+    harbour.sail(5);
+    CHECK(harbour.boats[1].state == core::State::kAuto);
+  }
+}
+
 TEST_CASE("a member that leads by a table which nobody has is believed for ten seconds") {
   Harbour harbour = under_way();
   harbour.boats[3].on = false;
@@ -134,6 +158,7 @@ TEST_CASE("a member that leads by a table which nobody has is believed for ten s
   beacon.epoch = 60'000;
   beacon.flags = 3;  // fit, leads
   beacon.plan_id = 77;
+  beacon.sequence = 100;
   const auto repeat = [&](int tenths) {
     for (int tenth = 0; tenth < tenths; ++tenth) {
       for (std::size_t who = 0; who < 3; ++who) harbour.hear(who, beacon, {4, 1});

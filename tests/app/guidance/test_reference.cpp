@@ -337,6 +337,20 @@ TEST_CASE("what was heard before, or is older, changes nothing") {
   CHECK(off_m(f.boat, 2 * kSecond_us) < 0.01);
 }
 
+TEST_CASE(
+    "a leader's changed slot stays, though copies of earlier messages come by a slower link") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  for (std::int64_t us = 2 * kSecond_us; us < 3 * kSecond_us; us += 100'000) {
+    auto now = Follower::reference(us, ++f.sequence), before = Follower::reference(us - 500'000, 0);
+    before.sequence = static_cast<std::uint16_t>(f.sequence - 5);
+    now.offset_n = {2048, 0};
+    f.hear(now, us);
+    f.hear(before, us + 10'000);
+    CHECK(f.boat.aim(us + 20'000)->offset.n == convert::WireOffset{2048 - 3072, 0});
+  }
+}
+
 TEST_CASE("of a hundred references a second a fifth is taken, and the root is known as well") {
   Follower f;
   for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += kTick_us) {

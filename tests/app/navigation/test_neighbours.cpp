@@ -418,6 +418,10 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   double farthest_m = 0;
   for (const auto& v : seen.vessels) farthest_m = std::max(farthest_m, core::length(v.p_n));
   CHECK(farthest_m == doctest::Approx(70).epsilon(0.01));  // not the one at 80, nor that at 100
+  w.hear(32, link::LocalPositionNed{0, 5, 0, 0, 1, 0, 0});
+  CHECK(std::ranges::any_of(w.look().vessels, [](const auto& v) {
+    return core::length(v.p_n) < 6;  // near after all, though it only tells a local place
+  }));
 }
 
 TEST_CASE("where our own origin changes, the vessels stay where they are") {

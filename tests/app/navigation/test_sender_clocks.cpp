@@ -73,6 +73,22 @@ TEST_CASE("a sender that was started anew is heard with its new clock") {
   CHECK(std::abs(after.speak(clocks, 2'000'000)->us - 2'000'000) < 1000);
 }
 
+TEST_CASE("a message that comes after a later one, by a slower link, is known to be overtaken") {
+  SenderClocks clocks;
+  const Sender fast{kMaker, 0, 20'000}, slow{kMaker, 0, 1'700'000};
+  for (std::int64_t us = 10'000'000; us < 15'000'000; us += 100'000) {
+    const auto first = fast.speak(clocks, us);
+    REQUIRE(first);
+    CHECK_FALSE(first->overtaken);
+    CHECK(std::abs(first->us - us) <= 20'000);  // the late copies do not restart its clock
+    if (us % 200'000 == 0) fast.answer(clocks, us);
+    const auto copy = slow.speak(clocks, us - 1'700'000);
+    REQUIRE(copy);
+    CHECK(copy->overtaken);
+    CHECK(copy->us <= us - 1'600'000);
+  }
+}
+
 TEST_CASE("of more senders than there is room for those nearest to the root are kept") {
   SenderClocks clocks;
   const auto speak = [&](std::uint8_t system, std::uint8_t rank, std::int64_t us) {

@@ -148,7 +148,7 @@ def heard(waters: Waters, frame: bytes) -> None:
 
 def beacon_message(system: int, epoch: int, digest: int, component: int = 1) -> bytes:
     """A FLEET_BEACON frame of who is neither fit nor leads."""
-    payload = LAYOUTS[FLEET_BEACON].pack(0, epoch, digest, 0, 0, 0).rstrip(b"\0")
+    payload = LAYOUTS[FLEET_BEACON].pack(0, epoch, digest, 0, 0, 0, 0).rstrip(b"\0")
     head = bytes([len(payload), 0, 0, 0, system, component]) + FLEET_BEACON.to_bytes(3, "little")
     crc = x25crc(head + payload + bytes([SEEDS[FLEET_BEACON]])).crc
     return b"\xfd" + head + payload + struct.pack("<H", crc)

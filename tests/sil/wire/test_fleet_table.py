@@ -49,7 +49,7 @@ def test_beacons_are_read() -> None:
     ours = dialect()
     mav = ours.MAVLink(None, srcSystem=3, srcComponent=1)
     message = ours.MAVLink_fleet_beacon_message(
-        epoch=5, digest=77, flags=3, leader=1, plan_id=123456, plan_item=4
+        epoch=5, digest=77, flags=3, leader=1, plan_id=123456, plan_item=4, sequence=9
     )
     other = ours.MAVLink_heartbeat_message(11, 0, 0, 0, 0, 3).pack(mav)
     found = list(beacons(other + message.pack(mav) + other))
