@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Forwarding of messages for others, and detection of others with our system id."""
+"""Forwarding of messages for others, and what a slow link carries."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.operator_words import param_list, param_read, param_set, sticks
-from tests.target.sea import TURN, Sea, Tick, acks, messages, named, texts
+from tests.target.sea import TURN, Sea, Tick, acks, messages, named
 from tests.target.stations import (
     ACCEPTED,
     ARM,
@@ -24,29 +24,7 @@ from tests.target.stations import (
     odometry,
     origin,
 )
-
-OTHER = Station(7, 1)  # a boat beyond another link
-TO_OTHER = (7, 1)
-
-
-def sent(tick: Tick, link: int) -> bytes:
-    return b"".join(data for at, data in tick.mavlink if at == link)
-
-
-def known(links: int, where: dict[int, list[Station]]) -> Sea:
-    """A boat that has heard each station's HEARTBEAT on its link, and forwarded it."""
-    sea = Sea(links=links)
-    sea.run(0.5)
-    for link, stations in where.items():
-        for station in stations:
-            sea.say(heartbeat(), sender=station, link=link)
-    sea.run(0.35)
-    sea.ticks.clear()
-    return sea
-
-
-def two_links() -> Sea:
-    return known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
+from tests.target.two_links import OTHER, TO_OTHER, known, sent, two_links
 
 
 def signed(station: Station, *messages: Any) -> bytes:
@@ -438,7 +416,7 @@ def states_per_s(ticks: list[Tick], link: int) -> float:
 def test_nothing_slows_the_state_below_its_share_of_a_slow_link(
     bytes_per_s: int, flood: str
 ) -> None:
-    """Its share is three fifths; ATTITUDE and LOCAL_POSITION_NED have 40 bytes each."""
+    """State and reference share three fifths, 40 + 40 bytes and, every second time, 106."""
     sea = known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
     sea.boat.limit_link(1, bytes_per_s)
     here, there = Station(GCS, GCS_COMPONENT), Station(88, 190)
@@ -456,10 +434,19 @@ def test_nothing_slows_the_state_below_its_share_of_a_slow_link(
         if k % 100 == 0:
             sea.say(heartbeat(), sender=OTHER, link=1)
         ticks.append(sea.step())
-    carried = min(10.0, 0.6 * bytes_per_s / 80)
+    carried = min(10.0, 0.6 * bytes_per_s / (80 + 106 / 2))
     assert states_per_s(ticks, 1) >= 0.95 * carried - 0.1
     assert len(named(ticks, "HEARTBEAT", 1)) == 10
     assert states_per_s(ticks, 0) == pytest.approx(10, abs=0.2)
+
+
+def test_a_slow_link_carries_state_and_reference_in_turn() -> None:
+    sea = two_links()
+    sea.boat.limit_link(1, 1200)
+    ticks = sea.run(20.0)
+    told = {name: len(named(ticks, name, 1)) / 20 for name in ("ATTITUDE", "FORMATION_REFERENCE")}
+    assert told["FORMATION_REFERENCE"] > 2.5
+    assert told["ATTITUDE"] > 1.5 * told["FORMATION_REFERENCE"]
 
 
 @pytest.mark.parametrize("bytes_per_s", [400, 1200, 5760])
@@ -477,134 +464,3 @@ def test_a_slow_link_is_handed_no_more_than_it_carries(bytes_per_s: int) -> None
     handed = sum(forwarded(t, frame, 1) for t in ticks)
     assert handed >= len(frame)
     assert sum(len(sent(t, 1)) for t in ticks) < 30 * bytes_per_s * 1.15
-
-
-# Others with our system id.
-
-DOUBLE = "another sender"
-
-
-def doubles(ticks: list[Tick], link: int = 0) -> list[Any]:
-    return [m for m in named(ticks, "STATUSTEXT", link) if DOUBLE in m.text]
-
-
-def test_another_sender_under_our_name_is_told_at_most_every_ten_seconds() -> None:
-    sea = Sea(links=2)
-    double = Station(BOAT, 1)
-    double.encoder.seq = 100
-    sea.run(0.5)
-    ticks = []
-    for _ in range(25):
-        sea.say(heartbeat(), sender=double)
-        ticks += sea.run(1.0)
-    for link in (0, 1):
-        found = doubles(ticks, link)
-        assert 2 <= len(found) <= 3 * (1 + (len(found[0].text) > 50))
-        assert all(m.severity == mavlink.MAV_SEVERITY_CRITICAL for m in found)
-
-
-@pytest.mark.parametrize("links", [1, 2])
-def test_our_own_broadcast_heard_again_is_not_taken_for_another_sender(links: int) -> None:
-    """On a link that receives its own messages, or a second link into the same network."""
-    sea = Sea(links=links)
-    for _ in range(2000):
-        tick = sea.step()
-        for link in range(links):
-            sea.boat.on_mavlink(sent(tick, link), sea.now_us, links - 1 - link)
-    assert not doubles(sea.ticks)
-    assert sea.state == "DISARMED" and sea.condition("own_fresh")
-
-
-@pytest.mark.parametrize("late_s", [0.02, 0.8, 3.3, 6.9])
-def test_a_late_echo_is_not_taken_for_another_sender(late_s: float) -> None:
-    """Through a slow radio, modem or bridge: within the link's last eight HEARTBEATs."""
-    sea = Sea(links=2)
-    late = round(late_s * 100)
-    for k in range(2000):
-        sea.step()
-        if k >= late:
-            for link in (0, 1):
-                sea.boat.on_mavlink(sent(sea.ticks[k - late], link), sea.now_us, 1 - link)
-    assert not doubles(sea.ticks) and not doubles(sea.ticks, 1)
-
-
-def test_an_echo_across_a_change_of_state_is_not_taken_for_another_sender(sea: Sea) -> None:
-    """Every change of state sends an additional HEARTBEAT."""
-    sea.settle()
-    late = 150
-    for k in range(1500):
-        if k % 100 == 50:
-            sea.arm() if sea.state == "DISARMED" else sea.disarm()
-        else:
-            sea.step()
-        if len(sea.ticks) > late:
-            sea.boat.on_mavlink(sent(sea.ticks[-late], 0), sea.now_us, 0)
-    assert not doubles(sea.ticks)
-
-
-def test_an_echo_older_than_eight_heartbeats_counts_as_another_sender(sea: Sea) -> None:
-    """Another boat with that id, or a replayed recording."""
-    recorded = [sent(sea.step(), 0) for _ in range(250)]
-    sea.run(12.0)
-    assert not doubles(sea.ticks)
-    for data in recorded:
-        sea.boat.on_mavlink(data, sea.now_us)
-        sea.step()
-    assert doubles(sea.ticks)
-
-
-def test_our_own_words_heard_again_are_neither_obeyed_nor_handed_on() -> None:
-    sea = known(2, {1: [OTHER]})
-    for message in (command_long(ARM, 1.0), command_long(ARM, 1.0, target=TO_OTHER)):
-        frame = Station(BOAT, 1).pack(message)
-        sea.boat.on_mavlink(frame, sea.now_us, 0)
-        tick = sea.step()
-        assert not acks(tick) and frame not in sent(tick, 1)
-    assert sea.state == "DISARMED"
-
-
-def test_two_boats_with_one_name_notice_each_other() -> None:
-    """Two copies of one memory card, switched on half a second apart."""
-    one, two = Sea(), Sea()
-    ticks: dict[str, list[Tick]] = {"one": [], "two": []}
-    for k in range(1500):
-        a = one.step()
-        ticks["one"].append(a)
-        two.boat.on_mavlink(sent(a, 0), two.now_us)
-        if k >= 50:
-            b = two.step()
-            ticks["two"].append(b)
-            one.boat.on_mavlink(sent(b, 0), one.now_us)
-    assert doubles(ticks["one"]) and doubles(ticks["two"])
-
-
-def test_a_boat_does_not_arm_while_another_uses_its_name() -> None:
-    sea = Sea()
-    double = Station(BOAT, 1)
-    double.encoder.seq = 100
-    sea.settle()
-    sea.say(heartbeat(), sender=double)
-    ticks = [sea.arm()]
-    assert sea.state == "DISARMED"
-    assert "PreArm: system id is used twice" in texts(ticks)
-    sea.run(10.1)
-    sea.enter_hold()
-
-
-def test_a_boat_under_the_law_holds_as_another_uses_its_name_and_may_be_driven_home() -> None:
-    sea = Sea(leader=TURN)
-    sea.enter_formation()
-    sea.run(1.0)
-    double = Station(BOAT, 1)
-    double.encoder.seq = 100
-    sea.say(heartbeat(), sender=double)
-    sea.run(0.02)
-    assert sea.state == "HOLD"
-    for _ in range(50):
-        sea.say(sticks(0, 0))
-        sea.step()
-    sea.mode(0)
-    for _ in range(50):
-        sea.say(sticks(500, 0))
-        sea.step()
-    assert sea.state == "MANUAL" and all(sea.commands)

@@ -246,7 +246,7 @@ class Vehicle {
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
-  std::array<bool, kMaxLinks> reference_waits_{};  // for the link's budget
+  std::array<std::uint8_t, kMaxLinks> states_since_reference_{};
   struct ToldFuture {
     std::uint32_t news = 0;
     bool again = false;

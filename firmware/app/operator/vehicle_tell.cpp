@@ -16,6 +16,9 @@ constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
 constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kLogs = kFiles + 1,
                       kTurns = kLogs + 1;
 // Per tick and link, beside the tick's other traffic: files and logs transfer at about 70 kB/s.
+// On a link too slow for both, the reference gets every third turn. A boat follows its leader's state
+// for a second; a reference stays good for longer.
+constexpr std::uint8_t kStatesPerReference = 2, kReferenceNext = 255;
 constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3, kLogPacketsPerTick = 8;
 
 std::uint8_t base_mode_of(State state) {
@@ -166,9 +169,15 @@ void Vehicle::tell_state(link::Counters& counters) {
 }
 
 /// Checks the link's budget once for both, so that a slow link does not separate attitude and
-/// position. If the reference waits, the state leaves this turn to it.
+/// position.
 void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
-  if (!links_.bucket(link).for_state() || std::exchange(reference_waits_[link], false)) return;
+  if (!links_.bucket(link).for_state()) return;
+  std::uint8_t& since = states_since_reference_[link];
+  if (since == kReferenceNext) {
+    since = 0;
+    return;
+  }
+  bool told = false;
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
     const StreamInfo& info = kStreams[kStateStreams[i]];
     Schedule& schedule = streams_.schedule(kStateStreams[i], link);
@@ -177,7 +186,9 @@ void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters&
     if (!state[i]) continue;
     links_.send_state(link, *state[i], counters);
     schedule.take_if_due(now_us_);
+    told = true;
   }
+  if (told && since < kStatesPerReference) ++since;
 }
 
 bool Vehicle::waits_for_reference(std::uint32_t news) const {
@@ -198,8 +209,12 @@ void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference&
     if (!reference_is_due(link, news) || links_.room(link) < kStreams[kReferenceStream].bytes) {
       continue;
     }
-    reference_waits_[link] = !links_.bucket(link).for_state();
-    if (reference_waits_[link]) continue;
+    std::uint8_t& since = states_since_reference_[link];
+    if (!links_.bucket(link).for_state()) {
+      if (since == kStatesPerReference) since = kReferenceNext;
+      continue;
+    }
+    since = 0;
     links_.send_state(link, reference, counters);
     streams_.schedule(kReferenceStream, link).take(now_us_);
     told_news_[link] = news;
