@@ -9,6 +9,7 @@ import argparse
 import concurrent.futures
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -65,11 +66,12 @@ class Result:
 
 def stages(options: argparse.Namespace) -> list[Stage]:
     """Every stage, in an order that respects `after`."""
-    junit = f"--junitxml={OUT}/{{}}.xml"
+    out = OUT.relative_to(ROOT)  # without the spaces that the project's own path may have
+    junit = f"--junitxml={out}/{{}}.xml"
     pytest = ".venv/bin/pytest -rs -o junit_family=xunit1"
     every = " --all" if options.all else ""
     fuzz_s = 300 if options.all else 2
-    words = " ".join(options.pytest)
+    words = shlex.join(options.pytest)
     packages = "amd64 arm64 armhf" if options.all else "amd64"
     of_builds, ignored = " ".join(OF_BUILDS), " ".join(f"--ignore={path}" for path in OF_BUILDS)
     tidied = (
@@ -78,7 +80,8 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     found = [
         # Collecting writes the tests' bytecode once; else each worker would, 17 s of each.
         Stage("lint", (f"{pytest} --collect-only -qq tests",
-                       "clang-format --dry-run --Werror $(git ls-files '*.hpp' '*.cpp')",
+                       "files=$(git ls-files '*.hpp' '*.cpp') && [[ $files ]] && "
+                       "clang-format --dry-run --Werror $files",
                        "ruff format --check .", "ruff check .", "mypy"), nice=0),
         Stage("release", (f"tools/build release {RELEASE}",)),
         Stage("vcan", ("tools/with-vcan build/release/tests/socketcan_tests",

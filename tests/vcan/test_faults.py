@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Faults of processes, buses and disks, and the response of a flotillad on vcan0."""
 
+import warnings
+
 import pytest
 
 from sil.faults import live_matrix
@@ -13,14 +15,22 @@ NAMES = [row.name for row in live_matrix.limits()]
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict[str, Outcome]:
-    """All faults with one boat, one after another; a second chance if the machine was late."""
+    """All faults with one boat, one after another.
+
+    The machine may be late, so a fault that fails counts as taken if it passes twice after that.
+    """
     if not FLOTILLAD.exists():
         pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
     first = {one.fault: one for one in live_matrix.sail()}
     if all(one.passed for one in first.values()):
         return first
-    again = {one.fault: one for one in live_matrix.sail()}
-    return {name: one if one.passed else again[name] for name, one in first.items()}
+    warnings.warn(f"repeated: {[one for one in first.values() if not one.passed]}", stacklevel=1)
+    for _ in range(2):
+        again = {one.fault: one for one in live_matrix.sail()}
+        failed = {name for name, one in first.items() if not one.passed}
+        if any(not again[name].passed for name in failed):
+            break
+    return {name: again[name] if name in failed else one for name, one in first.items()}
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -135,7 +135,10 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   state.psi = psi - kept * wrap_pi(psi - psi_hat);
   state.nu = plus(nu, -kept, off);
   state.nu_dot = plus(nu_hat_dot, beta / dt, off);
-  state.nu_ddot = plus(state.nu_ddot, gamma / (dt * dt), off);
+  // In Q16 both are 0 for messages less than 3 ms apart.
+  if (const S square = dt * dt; S(0) < square) {
+    state.nu_ddot = plus(state.nu_ddot, gamma / square, off);
+  }
   state.dt = dt;
   state.a = max(state.a + p * (unforeseen - state.a), params.a_min);
 }

@@ -53,6 +53,19 @@ TEST_CASE_TEMPLATE("no spacing of messages takes a track beyond what a vessel ca
   CHECK(acceleration < 1000);
 }
 
+TEST_CASE("in Q16 no spacing of messages is beyond the scalar's range") {
+  for (int raw = 1; raw < 1000; ++raw) {
+    CAPTURE(raw);
+    q16_overflow = false;
+    TrackState<Q16> state;
+    track_update(TrackParams<Q16>{}, state, {Q16(0), {}, Q16(0)});
+    track_update(TrackParams<Q16>{}, state, {Q16(0), {Q16(1), Q16(0), Q16(0.1)}, Q16::of_raw(raw)});
+    CHECK_FALSE(q16_overflow);
+    CHECK(std::abs(state.nu_ddot.u.raw()) < 20 * 65'536);
+  }
+  q16_overflow = false;
+}
+
 TEST_CASE_TEMPLATE("a message right after another says no more than its share of the time", S,
                    float, double) {
   // β without cancellation: in float it is that of double for the shortest of spacings.

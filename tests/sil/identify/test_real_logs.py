@@ -20,7 +20,8 @@ BESIDE = Path(__file__).parents[4] / "shared" / "data" / "blueboat"
 FOLDER = Path(os.environ.get("FLOTILLA_BLUEBOAT", BESIDE))
 
 pytestmark = pytest.mark.skipif(
-    not FOLDER.is_dir(), reason="the logs of a real BlueBoat are not part of the project"
+    not FOLDER.is_dir(),
+    reason="not judged: the logs of a real BlueBoat are not part of the project",
 )
 
 
