@@ -39,8 +39,8 @@
 // rest of the path is the same: so a boat that once had a clear choice has one. Two boats never wait
 // for each other: one of them has the way, and the other makes room. A boat that gets nowhere turns
 // its aim to starboard, until it finds a way round, and is content with less room (T_n). If it got
-// nowhere for 2 s, or for T_n, while it went astern after a slot that makes way, it turns about,
-// |δ| ≤ π, u_w = 0, to a course that is clear and open; if there is none, it goes on as before.
+// nowhere for 2 s while it went astern after a slot that makes way, it turns about, |δ| ≤ π, u_w = 0,
+// to a course that is clear and open; if there is none, it goes on as before.
 //
 // A course is closed if the boat cannot stop on it within its fence (app/guidance/fence_watch.hpp).
 //
@@ -391,22 +391,20 @@ Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& 
   return seen;
 }
 
-/// Counts τ: the boat is off its slot and comes no nearer, while it is slow beside it, goes astern
-/// behind a slot that moves, or yields to a stranger. If it goes astern for long, it turns about: it
-/// tries after astern_s, and again when it is content with less room.
+/// Counts τ: the boat is off its slot, slow beside it (or yields to a stranger), and comes no nearer.
+/// If that lasts while it goes astern behind a slot that moves, it turns about.
 template <class S>
 void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
                  const SeparationInput<S>& in, bool stranger) {
   const Intent<S>& intent = in.intent;
   const S off = length(intent.off_n), slow = intent.fastest / S(4);
   const Vec2<S> q = minus(to_north_east(in.R, Vec2<S>{in.nu.u, in.nu.v}), intent.slot_n);
-  const bool loses = in.nu.u < S(0) && !stranger && slow < length(intent.slot_n);
-  const bool stuck = state.yielding && slow < off && (stranger || loses || length(q) < slow) &&
+  const bool stuck = state.yielding && slow < off && (stranger || length(q) < slow) &&
                      dot(q, Vec2<S>{intent.off_n.x / off, intent.off_n.y / off}) < slow / S(2);
-  const S before_s = state.stuck_s;
-  state.stuck_s = stuck ? before_s + in.dt : max(S(0), before_s - in.dt / S(2));
-  const auto passes = [&](S t) { return !(t < before_s) && t < state.stuck_s; };
-  const bool begins = loses && (passes(params.astern_s) || passes(params.narrow));
+  const bool patient = !(params.astern_s < state.stuck_s);
+  state.stuck_s = stuck ? state.stuck_s + in.dt : max(S(0), state.stuck_s - in.dt / S(2));
+  const bool loses = in.nu.u < S(0) && !stranger && slow < length(intent.slot_n);
+  const bool begins = loses && patient && params.astern_s < state.stuck_s;
   state.bow_first = state.yielding && (state.bow_first || begins);
   if (S(60) < state.stuck_s) state.stuck_s = S(0);
 }
