@@ -66,7 +66,7 @@ class Result:
 
 def stages(options: argparse.Namespace) -> list[Stage]:
     """Every stage, in an order that respects `after`."""
-    out = OUT.relative_to(ROOT)  # without the spaces that the project's own path may have
+    out = shlex.quote(str(OUT))
     junit = f"--junitxml={out}/{{}}.xml"
     pytest = ".venv/bin/pytest -rs -o junit_family=xunit1"
     every = " --all" if options.all else ""
@@ -96,7 +96,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
                          f"{pytest} {junit.format('images')}{every} {of_builds}"),
               ("sanitizers",), tests=True),
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
-                           f"--output-junit {OUT}/firmware.xml",), ("sanitizers",), tests=True),
+                           f"--output-junit {out}/firmware.xml",), ("sanitizers",), tests=True),
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
         Stage("tidy", (f"run-clang-tidy-19 -quiet -j 2 -p build/dev '{tidied}'",),
               ("sanitizers",)),

@@ -105,19 +105,22 @@ void Neighbours::take_depth(link::Address from, const link::NamedValueFloat& mes
   if (Vessel* vessel = find(system)) vessel->depth = depth;
 }
 
+/// When all are in use, replaces the frames of vessels without an entry in turn.
 void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message) {
   if (!convert::is_valid(message)) return;
   LocalFrame* frame = std::ranges::find(local_frames_, system, &LocalFrame::system);
-  if (frame == local_frames_.end()) {
-    frame = &local_frames_[next_frame_];
-    next_frame_ = (next_frame_ + 1) % local_frames_.size();
+  while (frame == local_frames_.end()) {
+    last_frame_ = (last_frame_ + 1) % local_frames_.size();
+    LocalFrame& next = local_frames_[last_frame_];
+    if (next.system == 0 || find(next.system) == nullptr) frame = &next;
   }
-  *frame = {system, message};
+  *frame = {message.latitude, message.longitude, message.altitude, system};
 }
 
-const link::GpsGlobalOrigin* Neighbours::origin_of(std::uint32_t id) const {
+std::optional<link::GpsGlobalOrigin> Neighbours::origin_of(std::uint32_t id) const {
   const LocalFrame* frame = std::ranges::find(local_frames_, id, &LocalFrame::system);
-  return frame != local_frames_.end() ? &frame->origin : nullptr;
+  if (frame == local_frames_.end()) return std::nullopt;
+  return link::GpsGlobalOrigin{frame->latitude, frame->longitude, frame->altitude, 0};
 }
 
 /// The receiver may be our own, and repeats a report with its age.
@@ -139,8 +142,8 @@ template <class S>
 Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Sample<S>& sample,
                                            const convert::Position& own, std::int64_t now_us) {
   const bool local = !sample.at;
-  const link::GpsGlobalOrigin* origin = local ? origin_of(id) : &own.origin;
-  if (!convert::is_valid(own.origin) || origin == nullptr) return nullptr;
+  const auto origin = local ? origin_of(id) : std::optional(own.origin);
+  if (!convert::is_valid(own.origin) || !origin) return nullptr;
   const convert::Sample<S> seen = local ? sample : convert::in_plane(sample, own.origin);
   const convert::Position there{seen.north_m, seen.east_m, *origin};
   if (!convert::near(own, there)) return nullptr;

@@ -78,10 +78,10 @@ class Neighbours {
     std::int64_t late_us = kNever;  ///< when a message last came too late to be used
   };
 
-  /// Of a system's local frame. Kept for vessels without an entry too: they may come nearer.
+  /// Origin of a system's local frame. Vessels without an entry have one too: they may come nearer.
   struct LocalFrame {
-    std::uint8_t system = 0;
-    link::GpsGlobalOrigin origin{};
+    std::int32_t latitude = 0, longitude = 0, altitude = 0;  ///< as in GPS_GLOBAL_ORIGIN
+    std::uint8_t system = 0;                                 ///< 0: free
   };
 
   /// Whether a message can be of use; false for the states of the own unit and of a virtual leader.
@@ -95,7 +95,7 @@ class Neighbours {
   void take_heartbeat(link::Address from, const link::Heartbeat& message);
   void take_depth(link::Address from, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message);
-  const link::GpsGlobalOrigin* origin_of(std::uint32_t id) const;
+  std::optional<link::GpsGlobalOrigin> origin_of(std::uint32_t id) const;
   template <class S>
   void take_ais(const link::AisVessel& message, const convert::Position& own, std::int64_t now_us);
   /// Stores the place if this is the vessel's newest state, and returns its entry; else nullptr.
@@ -123,8 +123,8 @@ class Neighbours {
   link::GpsGlobalOrigin frame_{};  // of all places
   std::int64_t late_us_ = kNever;  // the latest late_us of all
   std::array<Vessel, core::kMaxVessels> vessels_{};
-  std::array<LocalFrame, core::kMaxVessels> local_frames_{};
-  std::size_t next_frame_ = 0;                 // the one that is replaced when all are in use
+  std::array<LocalFrame, 2 * core::kMaxVessels> local_frames_{};
+  std::size_t last_frame_ = 0;                 // entered last
   std::size_t used_ = 0;                       // entries of vessels_ that were ever in use
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
   std::array<std::uint8_t, 256> speaker_{};    // component that speaks our dialect, by system

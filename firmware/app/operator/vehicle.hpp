@@ -246,7 +246,11 @@ class Vehicle {
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
-  std::array<std::uint8_t, kMaxLinks> states_since_reference_{};
+  struct StateTurns {
+    std::uint8_t states = 0;      ///< sent since the last reference
+    bool reference_next = false;  ///< it waits for the link's budget
+  };
+  std::array<StateTurns, kMaxLinks> state_turns_{};
   struct ToldFuture {
     std::uint32_t news = 0;
     bool again = false;

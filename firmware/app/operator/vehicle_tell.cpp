@@ -15,10 +15,10 @@ constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
 // Turns after those of the streams.
 constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kLogs = kFiles + 1,
                       kTurns = kLogs + 1;
+// On a link too slow for both, the reference gets every third turn: a leader's state is good for a
+// second, a reference for longer.
+constexpr std::uint8_t kStatesPerReference = 2;
 // Per tick and link, beside the tick's other traffic: files and logs transfer at about 70 kB/s.
-// On a link too slow for both, the reference gets every third turn. A boat follows its leader's state
-// for a second; a reference stays good for longer.
-constexpr std::uint8_t kStatesPerReference = 2, kReferenceNext = 255;
 constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3, kLogPacketsPerTick = 8;
 
 std::uint8_t base_mode_of(State state) {
@@ -169,14 +169,11 @@ void Vehicle::tell_state(link::Counters& counters) {
 }
 
 /// Checks the link's budget once for both, so that a slow link does not separate attitude and
-/// position.
+/// position. Leaves this turn to a reference that waits for the budget.
 void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
   if (!links_.bucket(link).for_state()) return;
-  std::uint8_t& since = states_since_reference_[link];
-  if (since == kReferenceNext) {
-    since = 0;
-    return;
-  }
+  StateTurns& turns = state_turns_[link];
+  if (std::exchange(turns.reference_next, false)) return;
   bool told = false;
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
     const StreamInfo& info = kStreams[kStateStreams[i]];
@@ -188,7 +185,7 @@ void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters&
     schedule.take_if_due(now_us_);
     told = true;
   }
-  if (told && since < kStatesPerReference) ++since;
+  if (told && turns.states < kStatesPerReference) ++turns.states;
 }
 
 bool Vehicle::waits_for_reference(std::uint32_t news) const {
@@ -209,12 +206,10 @@ void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference&
     if (!reference_is_due(link, news) || links_.room(link) < kStreams[kReferenceStream].bytes) {
       continue;
     }
-    std::uint8_t& since = states_since_reference_[link];
-    if (!links_.bucket(link).for_state()) {
-      if (since == kStatesPerReference) since = kReferenceNext;
-      continue;
-    }
-    since = 0;
+    StateTurns& turns = state_turns_[link];
+    turns.reference_next = !links_.bucket(link).for_state() && turns.states == kStatesPerReference;
+    if (!links_.bucket(link).for_state()) continue;
+    turns.states = 0;
     links_.send_state(link, reference, counters);
     streams_.schedule(kReferenceStream, link).take(now_us_);
     told_news_[link] = news;

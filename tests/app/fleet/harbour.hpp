@@ -82,7 +82,7 @@ struct Harbour {
           boat.fleet.stopped();
           ++boat.stops;
         }
-        if (const auto beacon = boat.fleet.beacon(clock_us)) spread(i, *beacon, 24);
+        if (const auto beacon = boat.fleet.beacon(clock_us)) spread(i, *beacon, 25);
         if (const auto table = boat.fleet.table(clock_us)) spread(i, *table, 49);
       }
     }

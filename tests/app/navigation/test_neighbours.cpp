@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "app/navigation/neighbours.hpp"
 #include "app/operator/text.hpp"
@@ -419,9 +420,30 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   for (const auto& v : seen.vessels) farthest_m = std::max(farthest_m, core::length(v.p_n));
   CHECK(farthest_m == doctest::Approx(70).epsilon(0.01));  // not the one at 80, nor that at 100
   w.hear(32, link::LocalPositionNed{0, 5, 0, 0, 1, 0, 0});
-  CHECK(std::ranges::any_of(w.look().vessels, [](const auto& v) {
+  const auto now = w.look();
+  CHECK(std::ranges::any_of(std::span(now.vessels).first(now.count), [](const auto& v) {
     return core::length(v.p_n) < 6;  // near after all, though it only tells a local place
   }));
+}
+
+TEST_CASE("a tracked vessel's local place counts, however many others tell their origins") {
+  Watch w;
+  const link::GpsGlobalOrigin origin{kLatitude, kLongitude, 0, 0};
+  for (std::uint8_t system = 5; system < 13; ++system) {
+    w.hear(system, beat());
+    w.hear(system, origin);
+    w.hear(system, link::LocalPositionNed{0, 5.0F + system, 0, 0, 1, 0, 0});
+  }
+  for (std::uint8_t system = 30; system < 80; ++system) {
+    w.hear(system, beat());
+    w.hear(system, origin);
+  }
+  for (std::uint8_t system = 5; system < 13; ++system) {
+    w.hear(system, link::LocalPositionNed{100, 50.0F + system, 0, 0, 1, 0, 0}, 100'000);
+  }
+  const auto seen = w.look(100'000);
+  REQUIRE(seen.count == 8);
+  for (const auto& v : seen.vessels) CHECK(v.p_n.x > 50);
 }
 
 TEST_CASE("where our own origin changes, the vessels stay where they are") {
