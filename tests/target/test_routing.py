@@ -440,13 +440,14 @@ def test_nothing_slows_the_state_below_its_share_of_a_slow_link(
     assert states_per_s(ticks, 0) == pytest.approx(10, abs=0.2)
 
 
-def test_a_slow_link_carries_state_and_reference_in_turn() -> None:
+@pytest.mark.parametrize("bytes_per_s", [400, 800])
+def test_a_slow_link_carries_a_reference_for_every_two_states(bytes_per_s: int) -> None:
     sea = two_links()
-    sea.boat.limit_link(1, 1200)
+    sea.boat.limit_link(1, bytes_per_s)
     ticks = sea.run(20.0)
     told = {name: len(named(ticks, name, 1)) / 20 for name in ("ATTITUDE", "FORMATION_REFERENCE")}
-    assert told["FORMATION_REFERENCE"] > 2.5
-    assert told["ATTITUDE"] > 1.5 * told["FORMATION_REFERENCE"]
+    assert told["FORMATION_REFERENCE"] == pytest.approx(told["ATTITUDE"] / 2, rel=0.1)
+    assert told["ATTITUDE"] > 2.5 * bytes_per_s / 400
 
 
 @pytest.mark.parametrize("bytes_per_s", [400, 1200, 5760])
