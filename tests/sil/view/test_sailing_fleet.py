@@ -30,8 +30,7 @@ from tests.turns import some
 
 ROOT = Path(__file__).parents[3]
 PICTURES = ROOT / "build" / "view"
-SILENT_S = 15.0
-PARAMETERS = {"SR_SLOW": 5.0, "FS_LEADER_S": 1.0, "FS_COAST_S": 3.0}
+PARAMETERS = {"SR_SLOW": 5.0, "FS_LEADER_S": 1.0, "FS_COAST_S": 10.0}
 BOATS = ("Boat 1", "Boat 2", "Boat 3", "Boat 4")
 
 
@@ -71,16 +70,19 @@ class Ear:
 
 
 class Voyage:
-    """`diamond` in real time in a thread; its virtual leader falls silent after `SILENT_S`."""
+    """`diamond` in real time in a thread, until `end`."""
 
     def __init__(self, bus: str, address: str, out: Path) -> None:
         sailed = scenario.load("diamond", ["duration_s=120"])
         self._world = LiveWorld(sailed, bus, PARAMETERS, address)
         self._out = out
-        self._ended = False
+        self._silent = self._ended = False
         self._mistake: BaseException | None = None
         self._thread = threading.Thread(target=self._sail)
         self._thread.start()
+
+    def silence_leader(self) -> None:
+        self._silent = True
 
     def end(self) -> None:
         self._ended = True
@@ -92,8 +94,8 @@ class Voyage:
         class EndedError(Exception):
             pass
 
-        def progress(share: float) -> None:
-            if 120 * share >= SILENT_S:
+        def progress(_: float) -> None:
+            if self._silent:
                 self._world._leader.outbox = []
             if self._ended:
                 raise EndedError
@@ -108,11 +110,11 @@ class Voyage:
 
 
 @contextmanager
-def sailing(address: str, out: Path) -> Iterator[None]:
+def sailing(address: str, out: Path) -> Iterator[Voyage]:
     with live_buses() as bus:
         voyage = Voyage(bus, address, out)
         try:
-            yield
+            yield voyage
         finally:
             voyage.end()
 
@@ -142,7 +144,7 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
 ) -> None:
     build(print)
     PICTURES.mkdir(parents=True, exist_ok=True)
-    seen: list[Any] = []
+    coasting: dict[int, dict[str, Any]] = {}
 
     def sail(out: Path) -> None:
         address = f"mcast:239.255.145.64:{free_port()}"
@@ -153,26 +155,19 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
                 browser.open(view.stdout.readline().split()[-1])
                 browser.until(LIVE)
                 try:
-                    with sailing(address, out):
-                        seen[:] = watched(browser, ear)
+                    with sailing(address, out) as voyage:
+                        coasting.update(watched(browser, ear, voyage))
                 finally:
                     browser.open("about:blank")
         finally:
             ear.close()
 
     out = sail_punctually(sail, tmp_path)
-    late_s, coasting = seen
-    print(f"shown after the boat had said it: {late_s}")
-    assert all(seconds < 1.0 for seconds in late_s.values())
     replayed(browser, out / "boat1" / "log", coasting)
 
 
-def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dict[str, Any]]]:
-    """Looks on.
-
-    The page's delay, s, after the boat's report of each state; and the vessels
-    shown in COAST.
-    """
+def watched(browser: Browser, ear: Ear, voyage: Voyage) -> dict[int, dict[str, Any]]:
+    """The vessels shown in COAST: the leader falls silent when all have been seen to move."""
     for name in BOATS:
         browser.until(f"{STATE_OF} === 'FORMATION'", name, patience_s=150.0)  # a live run starts
     before = places(browser)
@@ -181,6 +176,7 @@ def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dic
     after = places(browser)
     assert all(after[system] != before[system] for system in (1, 2, 3, 4, 100))
     browser.picture(PICTURES / "formation.png")
+    voyage.silence_leader()
     late_s, moments = {}, {}
     for state in ("COAST", "HOLD"):
         at_s = seen_at_s(browser, state)
@@ -195,7 +191,9 @@ def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dic
     assert set(ear.at_s) == {"FORMATION", "COAST", "HOLD"}
     assert "leader" in word(browser, "Boat 1", ".held")
     assert word(browser, "Boat 2", ".state") == "FORMATION"
-    return late_s, moments["COAST"]
+    print(f"shown after the boat had said it: {late_s}")
+    assert all(seconds < 1.0 for seconds in late_s.values())
+    return moments["COAST"]
 
 
 def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> None:
