@@ -7,7 +7,8 @@
 //   θ = arg q, or arg q + π stern first
 //   θ̇ = (q × q̇) / (|q| k_x max(|e|, Δ)),  q̇ ≈ −k_x [ė_s ė_c]ᵀ
 //   u* = n·ŵ_S − k_x e_x            n: the bow, in the slot's axes
-//   p₊ = p + 0.1 h ((X/d11) n − p)  where the slot is at rest: |w_S| < ½ ε, then ε
+//   p₊ = p + 0.1 h (w_X n − p)      where the slot is at rest: |w_S| < ½ ε, then ε
+//   w_X = min(max(|X| − X_n, 0)/d, 1 m/s), the sign that of X, d = d11 + d11q |p|
 //
 //   begins where |q_s| < ε or |w_S| > u_max, and k_x |e| + d > 1.5 k_x Δ    d = |ŵ_S − c − p|
 //   ends   where |q_s| > 1.5 ε and |w_S| < 0.95 u_max, or |e| < 0.15 Δ and d < 0.2 ε
@@ -20,16 +21,18 @@
 //  w_S, q_s  slot's velocity over ground, speed through the water      m/s    ±20
 //  c, p      current; push along the bow beyond it, if against  slot   m/s    ±2, ±1
 //  X         wrench that neither model nor propellers hold      body   N      ±1000
+//  X_n       what a neutral band of the propellers may hide            N      0 … 50
 //  Δ, ε      look-ahead, slot's speed below which it has no course     m, m/s  0: never; 0.15
 //  θ         turn of the bow from the slot's heading                   rad    ±π
 //
-// Not in paper, where a boat abeam of a slot at rest stays there: u* = −k_x e_x is zero. Bow or
-// stern points to the slot; the boat changes ends where that makes the turn smaller by 0.8 rad. An
-// approach begins outside 1.5 Δ and ends within 0.15 Δ, where the boat turns to its slot's heading.
-// A boat cannot hold its place with a current abeam: near a slot at rest it points its bow into what
-// pushes it. A push from straight astern shows in X alone, as c is learnt from the sway. The boat
-// follows a slot that is too fast, and closes up as far as u_max allows. A line of sight turns the bow
-// by 1 rad at the most: a boat abeam of its slot, or ahead, would wait there at the slot's own speed.
+// Not in paper, where a boat abeam of a slot at rest stays there: u* = −k_x e_x is zero. Bow or stern
+// points to the slot; the boat changes ends where that makes the turn smaller by 0.8 rad. An approach
+// begins outside 1.5 Δ and ends within 0.15 Δ, where the boat turns to its slot's heading. A boat cannot
+// hold its place with a current abeam: near a slot at rest it points its bow into what pushes it. A
+// push from straight astern shows in X alone, as c is learnt from the sway; so does a propeller that
+// stands still at a small command, hence X_n. The boat follows a slot that is too fast, and closes up
+// as far as u_max allows. A line of sight turns the bow by 1 rad at the most: a boat abeam of its
+// slot, or ahead, would wait there at the slot's own speed.
 //
 // Q16.16: tested within ±2,000 (closing speed, m/s)
 #pragma once
@@ -44,6 +47,7 @@ struct ApproachParams {
   S Delta{};
   S epsilon{};
   S u_max{};
+  S X_n{};
 };
 
 template <class S>
@@ -98,8 +102,9 @@ void push_forward(const ApproachParams<S>& params, const Vessel<S>& m, ApproachS
     state.push_n = {};
     return;
   }
-  const S along = quotient_of(clamp(in.unknown.X, -m.d11, m.d11), m.d11);
-  const Vec2<S> push = to_north_east(in.psi, Vec2<S>{along, S(0)});
+  const S d = surge_damping(m, hypot(state.push_n.x, state.push_n.y));
+  const S w = quotient_of(clamp(abs(in.unknown.X) - params.X_n, S(0), d), d);
+  const Vec2<S> push = to_north_east(in.psi, Vec2<S>{in.unknown.X < S(0) ? -w : w, S(0)});
   const S share = S(0.1) * h;
   state.push_n = {state.push_n.x + state.north_rest.take(share, push.x - state.push_n.x),
                   state.push_n.y + state.east_rest.take(share, push.y - state.push_n.y)};

@@ -69,7 +69,9 @@ struct Course {
 
 template <class S>
 ApproachParams<S> approach_params(const ControllerParams<S>& params) {
-  return {params.outer.k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max};
+  const S neutral = S(0.1);  // of a propeller's reverse maximum: 5 % of both
+  return {params.outer.k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max,
+          neutral * params.propellers.R};
 }
 
 /// Follows the slot's path, or approaches the slot.

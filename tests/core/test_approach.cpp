@@ -135,8 +135,8 @@ TEST_CASE_TEMPLATE(
     double) {
   const auto params = testing::products_law<S>();
   for (const Vec2<double>& current :
-       {Vec2<double>{0, 0.1}, Vec2<double>{0, -0.2}, Vec2<double>{0.1, 0.1}, Vec2<double>{0.3, 0},
-        Vec2<double>{0.2, 0.1}, Vec2<double>{-0.3, 0.02}}) {
+       {Vec2<double>{0, 0.1}, Vec2<double>{0, -0.2}, Vec2<double>{0.1, 0.1},
+        Vec2<double>{0.3, 0.02}, Vec2<double>{0.2, 0.1}, Vec2<double>{-0.3, 0.02}}) {
     for (const double abeam : {0.0, 10.0}) {
       INFO("current ", current.x, ", ", current.y, ", from ", abeam, " m abeam");
       const Stay stay = lie(at<S>(0, abeam, 0, current), 240, params);
@@ -175,6 +175,26 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
     CHECK(std::abs(std::sin(angle(0, true).theta - now.theta)) < 1e-9);
     CHECK(std::abs(now.theta) < testing::kPi / 2 + 0.41);
   }
+}
+
+TEST_CASE("a force is a push as far as it exceeds what a neutral band may hide") {
+  const Vessel<double> vessel(16.5, 35, 8.7, 1.5, 180, 0.6, 8.1);
+  const ApproachParams<double> params{0.2, 1, 0.15, 0, 2};
+  const auto push = [&](double X) {
+    ApproachState<double> state;
+    ControllerInput<double> in;
+    in.unknown.X = X;
+    for (int i = 0; i < 20'000; ++i) push_forward(params, vessel, state, in, Slot<double>{}, 0.01);
+    CHECK(state.push_n.y == doctest::Approx(0));
+    return state.push_n.x;
+  };
+  CHECK(push(1.9) == doctest::Approx(0));
+  CHECK(push(-1.9) == doctest::Approx(0));
+  const double speed = push(-5);  // at which the drag is 3 N
+  CHECK(speed == doctest::Approx(-0.522).epsilon(0.001));
+  CHECK((1.5 + 8.1 * -speed) * -speed == doctest::Approx(3));
+  CHECK(push(5) == doctest::Approx(-speed));
+  CHECK(push(500) == doctest::Approx(1));
 }
 
 TEST_CASE("near its slot in a current a boat brings its bow round, and keeps it so within metres") {

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sil.scenario import presets
-from tests.loop.encounters import ARRIVED_M, Crowd, crowds, encounters
+from tests.loop.encounters import ARRIVED_M, AT_REST_M, CROWDS, Crowd, crowds, encounters
 
 #: Of 200 encounters each, as measured: those that turn slowly, or slip, do less well.
 SIDE = {"blueboat": 0.95, "heron": 0.9, "otter": 0.93, "paper": 0.95, "wamv": 0.88}
@@ -31,3 +31,11 @@ def test_boats_in_swapped_slots_never_come_too_near_and_all_arrive(hull: str) ->
     found = crowds(hull, range(2), Crowd(8, 0.5, True))
     assert found[:, 0].min() > 1.0
     assert found[:, 1].max() < ARRIVED_M
+
+
+@pytest.mark.parametrize("hull", presets.names())
+def test_boats_in_swapped_slots_behind_a_leader_at_rest_all_arrive(hull: str) -> None:
+    at_rest = next(one for one in CROWDS if one.speed_mps == 0.0)
+    found = crowds(hull, range(2), at_rest)
+    assert found[:, 0].min() > 1.0
+    assert found[:, 1].max() < AT_REST_M

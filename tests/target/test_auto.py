@@ -304,6 +304,18 @@ def test_the_plan_waits_for_a_boat_that_the_wind_slows_down() -> None:
     assert sea.state == "AUTO" and place(sea)[0] == pytest.approx(15, abs=0.7)
 
 
+def test_a_boat_with_a_long_look_ahead_comes_back_to_its_plan_from_abeam() -> None:
+    known = {"LAW_CUR_BW": 0.0, "LAW_OBS_BW": 0.0}  # else what pushed it would show it the way
+    sea = sailing([at(40, 0)], {"LAW_XT_DIST": 4.0, **known})
+    sea.run(5.0)
+    sea.hull.current = (0.0, 1.5)
+    sea.run(3.5)
+    sea.hull.current = (0.0, 0.0)
+    assert place(sea)[1] > 4.0
+    sea.run(60.0)
+    assert place(sea)[0] > 20.0 and abs(place(sea)[1]) < 0.1
+
+
 @pytest.mark.parametrize("current", [(-0.3, 0.0), (0.0, 0.3), (0.4, -0.2)])
 def test_a_boat_sails_its_plan_in_a_current_and_stays_at_its_end(
     current: tuple[float, float],

@@ -186,16 +186,22 @@ Target Pilot<S>::stop_ahead() const {
           static_cast<float>(convert::number(u))};
 }
 
+/// The plan's vessel rests only where the boat approaches a slot at rest, 1.5 look-aheads away.
+template <class S>
+BoatBehind<S> Pilot<S>::behind() const {
+  return {follower_.off(), core::max(S(3), S(2) * law_.controller.sight.Delta)};
+}
+
 template <class S>
 core::ControllerOutput<S> Pilot<S>::sail(Plan plan, bool paused, std::int64_t now_us, S dt) {
-  plan_vessel_.forward(plan, follower_.off(), paused, dt);
+  plan_vessel_.forward(plan, behind(), paused, dt);
   return follow_plan_vessel(now_us, dt);
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::drive(const core::Drive<S>& desired, bool paused,
                                           std::int64_t now_us, S dt) {
-  if (S(0) < dt) plan_vessel_.drive(desired, follower_.off(), paused, dt);
+  if (S(0) < dt) plan_vessel_.drive(desired, behind(), paused, dt);
   return follow_plan_vessel(now_us, dt);
 }
 

@@ -189,6 +189,7 @@ class Pilot {
   Lead<S> lead_of(const typename Reference<S>::Aim& aim) const;
   Lead<S> lead_of_plan() const;
   core::Vec2<S> leaders_error(std::int64_t now_us) const;
+  BoatBehind<S> behind() const;
   core::ControllerOutput<S> follow_plan_vessel(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_law(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_law(const core::Traffic<S>* traffic, S dt);

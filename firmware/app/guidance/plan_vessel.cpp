@@ -11,8 +11,7 @@ namespace {
 
 constexpr float kLongestWay_m = 3000;  // the planner's tested range
 static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
-// Distances of the boat, m: from the first on the vessel slows down, from the second on it waits.
-constexpr int kNear_m = 1, kFar_m = 3;
+constexpr int kNear_m = 1;  // from this distance of the boat on the vessel slows down
 // Steps of the scout between two samples of the future.
 constexpr int kSteps = 5;
 
@@ -78,15 +77,16 @@ void PlanVessel<S>::add(const PlanPoint& point) {
   ++count_;
 }
 
-/// Share of its speed at which the vessel sails if the boat is off_m away.
+/// Share of its speed at which the vessel sails.
 template <class S>
-S pace(S off_m, bool paused) {
+S pace(const BoatBehind<S>& boat, bool paused) {
   if (paused) return S(0);
-  return core::clamp((S(kFar_m) - off_m) / S(kFar_m - kNear_m), S(0), S(1));
+  return core::clamp((boat.far_m - boat.off_m) / (boat.far_m - S(kNear_m)), S(0), S(1));
 }
 
 template <class S>
-void PlanVessel<S>::drive(const core::Drive<S>& desired, S off_m, bool paused, S dt) {
+void PlanVessel<S>::drive(const core::Drive<S>& desired, const BoatBehind<S>& boat, bool paused,
+                          S dt) {
   constexpr int kLongWay_m = 500;
   if (!(S(0) < dt)) return;
   core::Motion<S>& motion = state_.motion;
@@ -94,17 +94,17 @@ void PlanVessel<S>::drive(const core::Drive<S>& desired, S off_m, bool paused, S
     from_ = place();
     motion.moved_n = {};
   }
-  const S share = pace(off_m, paused);
+  const S share = pace(boat, paused);
   seen_ = 0;
   foresees_ = false;
   core::drive_forward(limits_, {share * desired.u, share * desired.r, desired.course}, state_, dt);
 }
 
 template <class S>
-void PlanVessel<S>::forward(Plan plan, S off_m, bool paused, S dt) {
+void PlanVessel<S>::forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt) {
   constexpr std::size_t kPassed = 3;  // points behind that are kept
   if (!(S(0) < dt)) return;           // a tick in which the clock stood still
-  const S share = pace(off_m, paused);
+  const S share = pace(boat, paused);
   advance(state_, share, dt);
   look_ahead(share, dt);
   if (state_.next <= kPassed) return;

@@ -22,6 +22,13 @@ struct Voyage {
   std::optional<convert::GlobalPoint> home{};
 };
 
+/// The boat that follows the vessel, off_m away; from far_m on the vessel waits for it.
+template <class S>
+struct BoatBehind {
+  S off_m{};
+  S far_m{};
+};
+
 /// Holds a few points of the plan at a time; the plan must not change between start() and the last
 /// forward().
 template <class S>
@@ -32,9 +39,8 @@ class PlanVessel {
   void start(const Voyage& voyage, const PlanDefaults& defaults, const core::RouteParams<S>& limits,
              const convert::Position& own, const core::Motion<S>& motion);
 
-  /// Sails for dt seconds. off_m: the boat's distance from this vessel, which slows down and waits
-  /// for it.
-  void forward(Plan plan, S off_m, bool paused, S dt);
+  /// Sails for dt seconds; slows down and waits for the boat.
+  void forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt);
 
   /// A future that followers should know, and the time since its beginning, s; returned once.
   struct Foreseen {
@@ -48,7 +54,7 @@ class PlanVessel {
   void foresee(std::span<core::Motion<S>> motions, int every_s) const;
 
   /// Sails for dt seconds at these velocities; the plan is given up.
-  void drive(const core::Drive<S>& desired, S off_m, bool paused, S dt);
+  void drive(const core::Drive<S>& desired, const BoatBehind<S>& boat, bool paused, S dt);
 
   /// The plan begins near enough to the boat, and its places read so far are in the planner's
   /// range.
