@@ -8,7 +8,7 @@
 //   θ̇ = (q × q̇) / (|q| k_x max(|e|, Δ)),  q̇ ≈ −k_x [ė_s ė_c]ᵀ
 //   u* = n·ŵ_S − k_x e_x            n: the bow, in the slot's axes
 //   p₊ = p + 0.1 h (w_X n − p)      where the slot is at rest: |w_S| < ½ ε, then ε
-//   w_X = min(max(|X| − X_n, 0)/d, 1 m/s), the sign that of X, d = d11 + d11q |p|
+//   w_X = min(max(|X| − X_n, 0)/D, 1 m/s), the sign that of X, D = d11 + d11q |p|
 //
 //   begins where |q_s| < ε or |w_S| > u_max, and k_x |e| + d > 1.5 k_x Δ    d = |ŵ_S − c − p|
 //   ends   where |q_s| > 1.5 ε and |w_S| < 0.95 u_max, or |e| < 0.15 Δ and d < 0.2 ε
@@ -21,7 +21,7 @@
 //  w_S, q_s  slot's velocity over ground, speed through the water      m/s    ±20
 //  c, p      current; push along the bow beyond it, if against  slot   m/s    ±2, ±1
 //  X         wrench that neither model nor propellers hold      body   N      ±1000
-//  X_n       what a neutral band of the propellers may hide            N      0 … 50
+//  X_n, D    force that the propellers' neutral band may hide; damping N, kg/s 0 … 50
 //  Δ, ε      look-ahead, slot's speed below which it has no course     m, m/s  0: never; 0.15
 //  θ         turn of the bow from the slot's heading                   rad    ±π
 //
@@ -102,8 +102,8 @@ void push_forward(const ApproachParams<S>& params, const Vessel<S>& m, ApproachS
     state.push_n = {};
     return;
   }
-  const S d = surge_damping(m, hypot(state.push_n.x, state.push_n.y));
-  const S w = quotient_of(clamp(abs(in.unknown.X) - params.X_n, S(0), d), d);
+  const S D = surge_damping(m, hypot(state.push_n.x, state.push_n.y));
+  const S w = quotient_of(clamp(abs(in.unknown.X) - params.X_n, S(0), D), D);
   const Vec2<S> push = to_north_east(in.psi, Vec2<S>{in.unknown.X < S(0) ? -w : w, S(0)});
   const S share = S(0.1) * h;
   state.push_n = {state.push_n.x + state.north_rest.take(share, push.x - state.push_n.x),

@@ -69,7 +69,8 @@ struct Course {
 
 template <class S>
 ApproachParams<S> approach_params(const ControllerParams<S>& params) {
-  const S neutral = S(0.1);  // of a propeller's reverse maximum: 5 % of both
+  // Controllers do not turn their propellers below some 5 % of the command; of two, in newtons:
+  const S neutral = S(0.1);  // of one propeller's reverse maximum
   return {params.outer.k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max,
           neutral * params.propellers.R};
 }

@@ -186,7 +186,8 @@ Target Pilot<S>::stop_ahead() const {
           static_cast<float>(convert::number(u))};
 }
 
-/// The plan's vessel rests only where the boat approaches a slot at rest, 1.5 look-aheads away.
+/// A boat approaches a vessel at rest from 1.5 look-aheads on (core/approach.hpp): nearer, the vessel
+/// must make way, or both would stand still.
 template <class S>
 BoatBehind<S> Pilot<S>::behind() const {
   return {follower_.off(), core::max(S(3), S(2) * law_.controller.sight.Delta)};
