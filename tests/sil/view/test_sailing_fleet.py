@@ -96,8 +96,8 @@ class Voyage:
     def end(self) -> None:
         self._ended = True
         self._thread.join()
-        if self._mistake is not None:
-            raise self._mistake
+        if self._mistake is not None:  # perhaps only late: see sail_punctually
+            raise AssertionError("the voyage ended early") from self._mistake
 
     def _sail(self) -> None:
         class EndedError(Exception):
