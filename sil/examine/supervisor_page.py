@@ -122,7 +122,7 @@ def transition_table() -> str:
         ]
         for row in flotilla.supervisor_table()
     ]
-    return table(("in state", "asked", "all of", "or lost one of", "chosen", "goes to"), rows)
+    return table(("in state", "asked", "all of", "and not all of", "chosen", "goes to"), rows)
 
 
 def edges() -> dict[tuple[str, str], list[str]]:
