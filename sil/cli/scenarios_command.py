@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Lists the scenarios, or prints one as a start for your own.
 
-`diamond` has every key, with its default, unit and meaning; the others change some of them.
+`diamond` has every key, with its unit and meaning; the others change some of them.
 """
 
 import argparse

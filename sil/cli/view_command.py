@@ -19,7 +19,7 @@ EXAMPLES = (
     "flotilla view mcast:                  # a live run with --mavlink mcast:, or real boats",
     "flotilla view /dev/ttyUSB0:57600      # a telemetry radio",
     "flotilla view out/diamond             # a run",
-    "flotilla view out/live/boat1/log      # what a boat sent and received",
+    "flotilla view out/diamond_live/boat1/log      # what a boat sent and received",
 )
 
 

@@ -3,7 +3,8 @@
 
 Gains are the best of a grid, by the mean distance over all routes in calm weather with seed 2. The
 published runs have seed 1, so that no rival is tuned to the runs by which it is judged. Flotilla
-has its firmware's defaults and the two gains of `lead` that depend on its hull.
+was not tuned on these routes: it has the gains of `lead`, which sets LAW_KDU, LAW_KDR, LAW_XT_DIST
+and LAW_R_MAX; the others are defaults.
 """
 
 import math
