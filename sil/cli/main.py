@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line: flotilla VERB, or python -m sil VERB."""
+"""The command line: flotilla COMMAND, or python -m sil COMMAND."""
 
 import argparse
 import difflib
@@ -124,7 +124,7 @@ def sentence(error: Exception) -> str:
 
 
 def _overview() -> str:
-    lines = ["usage: flotilla VERB …; flotilla VERB --help has examples", ""]
+    lines = ["usage: flotilla COMMAND …; flotilla COMMAND --help has examples", ""]
     for verbs in (_VERBS, _TOOLS):
         lines += [f"  {verb:11}{what}" for verb, what in verbs.items()] + [""]
     return "\n".join(lines).rstrip()
