@@ -333,16 +333,16 @@ void bind_fleet(nb::module_& m) {
       .def_prop_ro("states", &PyFleet::states,
                    "(boats,) uint8: the supervisors' states after the last tick, as numbers in "
                    "flotilla.STATES.")
-      .def("sent", &PyFleet::sent, "agent"_a, "What it said over the radio in the last tick.")
+      .def("sent", &PyFleet::sent, "agent"_a,
+           "The bytes that it sent over the radio in the last tick.")
       .def("snapshot", &PyFleet::snapshot, "agent"_a, "As Boat.snapshot.")
       .def("parameters", &PyFleet::parameters, "agent"_a, "As Boat.parameters.")
       .def("take_records", &PyFleet::take_records, "run"_a,
-           "What went over the run's wires since the last call, as sil/lockstep/recording.py has "
-           "it; needs "
-           "record=True.")
+           "The bytes and frames on the run's wires since the last call, in the format of "
+           "sil/lockstep/recording.py; needs record=True.")
       .def("violations", &PyFleet::violations,
-           "What each boat has broken first of flotilla.policies(), in the order of time: (agent, "
-           "t_us, name).")
+           "The first rule of flotilla.policies() that each boat has broken, in the order of time: "
+           "(agent, t_us, name).")
       .def("profile", &PyFleet::profile,
            "Seconds by stage since the last call: units, decode (of MAVLink), tick (of the boats), "
            "can, links; zeros without profile=True.");

@@ -213,10 +213,10 @@ void bind_helm(nb::module_& m) {
            "before; dt_s 0: the first.")
       .def("step", &Helm::told_step, "leader"_a, "h_s"_a, "drive"_a = true,
            "One control step, h_s after the last. leader: x, y, psi, u, v, r and the rates of "
-           "change of the last three, now. What the law made of it, by name.")
+           "change of the last three, now. Returns the law's results by name.")
       .def_prop_rw("state", &Helm::state, &Helm::set_state,
-                   "What it remembers, 22 numbers, but for the wrenches that late fixes are "
-                   "carried on under: x, y, psi, u, v, r; unknown acceleration "
+                   "Its memory, 22 numbers, without the recent wrenches by which a late fix is "
+                   "predicted up to now: x, y, psi, u, v, r; unknown acceleration "
                    "in surge, sway, yaw; current north, east; v*, u*, r* held; sway of the slot, "
                    "its speed and slip with their rates; approach: 1 bow first, -1 stern first, 0 "
                    "none; wrench given X, N.");

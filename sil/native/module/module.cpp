@@ -242,8 +242,8 @@ NB_MODULE(flotilla, m) {
         "Every parameter with name, unit, default, least and greatest value, group, kind, when it "
         "may change, and a sentence.");
   m.def("derived", &derived, "parameters"_a = nb::dict(),
-        "All parameters of a boat that is given these, as the law takes them: with the gains that "
-        "stand for negative ones.");
+        "All parameters of a boat with these ones set, as the law uses them: a negative gain is "
+        "replaced by the derived one.");
   m.def("metadata", &metadata,
         "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
   bind_route(m);
@@ -278,7 +278,7 @@ NB_MODULE(flotilla, m) {
       .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
            "overruns"_a = 0, "unix_us"_a = 0, "save_failed"_a = false, "clock_is_set"_a = true,
            "stop_pressed"_a = false,
-           "What only the boat's host can know; holds until the next report.")
+           "Facts that only the boat's host knows; they hold until the next report.")
       .def("secure", &PyBoat::secure, "key"_a, "unix_us"_a,
            "The MAVLink 2 signing key of all links, 32 bytes, and the time since 1970.")
       .def("set_signing", &PyBoat::set_signing, "link"_a, "policy"_a,
@@ -287,7 +287,7 @@ NB_MODULE(flotilla, m) {
            "Telemetry on that link keeps to so many bytes a second; 0: no limit.")
       .def("take_save_request", &PyBoat::take_save_request,
            "Why the parameters should be saved since the last call: \"none\", \"changed\" by an "
-           "operator, or \"confirmed\": he has asked for it.")
+           "operator, or \"confirmed\": an operator requested it.")
       .def("snapshot", &PyBoat::snapshot,
            "Last tick: state, conditions, ages, estimates, error, virtual velocity, wrench asked "
            "and given, "

@@ -194,9 +194,10 @@ void bind_supervisor(nb::module_& m) {
       "Its conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT COND, from 24 on "
       "in COND2), complaint "
       "(what the boat says where it is not met), limit (the parameter that sets it, or nothing).");
-  m.def("supervise", &supervise, "state"_a, "request"_a, "met"_a,
-        "What the table makes of a state, a request and the names of what is met or chosen "
-        "(\"FS_GCS_ACT 1\"; else the defaults): state, "
-        "granted, missing, and drives, whether propellers may turn there. ValueError for a name "
-        "that there is not.");
+  m.def(
+      "supervise", &supervise, "state"_a, "request"_a, "met"_a,
+      "Applies the table to a state and a request. met: the names of the conditions that are met, "
+      "and the choices that differ from the defaults (\"FS_GCS_ACT 1\"). Returns the new state, "
+      "granted, missing, and drives: whether the propellers may turn in the new state. "
+      "ValueError for an unknown name.");
 }
