@@ -104,7 +104,7 @@ def for_measured(table: Sequence[PublishedBound], measured: Measured) -> str:
             f"{100.0 * WANTED['radio_share_of_eight']:.0f} %; {WANTED['radio_rms_of_eight']:g} m",
         ),
     ]
-    return _markdown(("", "measured", "wanted"), "|---|---|---|", lines)
+    return _markdown(("", "measured", "limit"), "|---|---|---|", lines)
 
 
 def for_law(table: Sequence[PublishedBound], campaigns: Sequence[MonteCarlo]) -> str:
