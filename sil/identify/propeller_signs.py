@@ -95,8 +95,7 @@ def _rows(log: VoyageLog) -> tuple[Array, Array]:
     late = np.vstack([np.zeros((2, 2)), thrust[:-2]])
 
     def area(x: Array) -> Array:
-        total = np.vstack([np.zeros((1, x.shape[1])), np.cumsum(x, axis=0)])
-        sums: Array = np.diff(total[at], axis=0) * SAMPLE_S
+        sums: Array = x[: count * _STEP].reshape(count, _STEP, -1).sum(axis=1) * SAMPLE_S
         return sums
 
     surge = np.column_stack([np.diff(u[at]), area(np.column_stack([late, u, np.abs(u) * u]))])

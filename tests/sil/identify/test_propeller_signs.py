@@ -27,6 +27,16 @@ def test_every_wiring_is_recognised_and_mended(port: bool, stbd: bool, swapped: 
     assert np.array_equal(propeller_signs.mended(log, wiring).commands, right.commands)
 
 
+def test_a_gap_in_a_log_costs_only_the_seconds_in_it() -> None:
+    rng = np.random.default_rng(5)
+    log = sail(levels(rng, 120.0), rng)
+    motion = log.motion.copy()
+    motion[100:107] = np.nan
+    whole, broken = (propeller_signs.find([replace(log, motion=m)]) for m in (log.motion, motion))
+    assert broken.right
+    assert broken.surge == pytest.approx(whole.surge, rel=0.1)
+
+
 def test_commands_of_another_boat_are_refused() -> None:
     rng = np.random.default_rng(2)
     log = sail(levels(rng, 120.0), rng)
