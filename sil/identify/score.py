@@ -34,7 +34,10 @@ def score(problem: Problem, values: Array, local: Array, logs: Sequence[VoyageLo
     log (`LOCAL`). None where there is no such window.
     """
     windows = cut(logs, _STRIDE_S)
-    windows = windows.chosen(windows.working())
+    # Without a first sample, as in a gap, a window has no place to begin.
+    known = np.isfinite(windows.measured)
+    begun = np.all(known[0] | ~known.any(axis=0), axis=0)
+    windows = windows.chosen(windows.working() & begun)
     if len(windows) == 0:
         return None
     error = predicted(problem, values, local, windows)
