@@ -19,10 +19,11 @@ def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
     logs, notes = [], []
     for path in (file for given in paths for file in _files(given)):
         told: list[str] = []
-        if path.suffix == ".csv":
+        kind = path.suffix.lower()
+        if kind == ".csv":
             log, told = read_csv(path)
-        elif path.suffix in (".tlog", ".bin"):
-            reader = read_telemetry.read_tlog if path.suffix == ".tlog" else read_telemetry.read_bin
+        elif kind in (".tlog", ".bin"):
+            reader = read_telemetry.read_tlog if kind == ".tlog" else read_telemetry.read_bin
             log = reader(path)
         else:
             raise BadLogError(f"{path}: unknown kind of log; supported are .csv, .tlog, .bin")

@@ -29,6 +29,7 @@ _FULL_RAW, _ESCS = 8191.0, 20
 _AUTOPILOT = 1
 _LEFT, _RIGHT = 73, 74
 _STOP_US, _FULL_US = 1500.0, 400.0
+_DATAFLASH = b"\xa3\x95"
 _ODOMETRY, _LOCAL, _ATTITUDE = "ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE"
 _HEARD = frozenset(
     getattr(mavlink, f"MAVLINK_MSG_ID_{name}")
@@ -47,7 +48,7 @@ def read_tlog(path: Path) -> VoyageLog:
     own = [key for key in sources if key[0] == system]
     unit = max(own, key=lambda key: (key[1] != _AUTOPILOT, sources[key]))
     series = Series(path.stem, aboard=_ODOMETRY in kinds)
-    outputs, escs = _Outputs(), {"ESC_PORT": 0, "ESC_STBD": 1}
+    outputs, escs = _Outputs(path), {"ESC_PORT": 0, "ESC_STBD": 1}
     for t_s, source, name, message in messages:
         if source == unit and name in kinds:
             _motion(series, t_s, name, message)
@@ -66,9 +67,10 @@ def read_tlog(path: Path) -> VoyageLog:
 
 def read_bin(path: Path) -> VoyageLog:
     """ArduPilot's DataFlash log. Raises `BadLogError`."""
-    series, outputs = Series(path.stem), _Outputs()
-    if path.stat().st_size == 0:
-        raise BadLogError(f"{path}: the file is empty")
+    series, outputs = Series(path.stem), _Outputs(path)
+    with path.open("rb") as file:
+        if file.read(len(_DATAFLASH)) != _DATAFLASH:
+            raise BadLogError(f"{path}: is no DataFlash log, which begins with the bytes A3 95")
     last_gyro = 0.0
     with closing(DFReader.DFReader_binary(str(path))) as log:
         while (message := log.recv_match(type=["XKF1", "IMU", "RCOU", "PARM"])) is not None:
@@ -91,7 +93,8 @@ def read_bin(path: Path) -> VoyageLog:
 class _Outputs:
     """An autopilot's servo outputs, and which of them are the propellers."""
 
-    def __init__(self) -> None:
+    def __init__(self, path: Path) -> None:
+        self._path = path
         self.heard: list[tuple[float, list[int]]] = []
         self._of = {_LEFT: 1, _RIGHT: 3}
 
@@ -101,6 +104,12 @@ class _Outputs:
 
     def commands(self) -> list[tuple[float, float, float]]:
         port, stbd = self._of[_LEFT] - 1, self._of[_RIGHT] - 1
+        logged = min((len(raw) for _, raw in self.heard), default=inf)
+        if (last := max(port, stbd) + 1) > logged:
+            raise BadLogError(
+                f"{self._path}: SERVO{last}_FUNCTION is a propeller, but the log has only outputs "
+                f"1 to {logged}"
+            )
         return [(t_s, _share(raw[port]), _share(raw[stbd])) for t_s, raw in self.heard]
 
 

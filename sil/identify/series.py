@@ -3,10 +3,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 
 import numpy as np
 
-from sil.identify.voyage_log import Array, BadLogError, Channel, VoyageLog, sampled
+from sil.identify.voyage_log import BadLogError, Channel, VoyageLog, sampled
 
 
 @dataclass
@@ -23,12 +24,12 @@ class Series:
 
     def log(self) -> VoyageLog:
         """The log. Raises `BadLogError` for what is missing."""
-        wanted: dict[str, Sequence[tuple[float, ...]]] = {
-            "position": self.position,
-            "heading": self.heading,
-            "velocity": self.velocity,
-            "yaw rate": self.rate,
-            "propeller commands": self.commands,
+        wanted = {
+            "position": _in_order(self.position),
+            "heading": _in_order(self.heading),
+            "velocity": _in_order(self.velocity),
+            "yaw rate": _in_order(self.rate),
+            "propeller commands": _in_order(self.commands),
         }
         missing = [name for name, rows in wanted.items() if len(rows) < 2]
         if missing:
@@ -38,7 +39,7 @@ class Series:
                 "beside it."
             )
         position, heading, velocity, rate, commands = (
-            _in_order(np.array(rows, dtype=float)) for rows in wanted.values()
+            np.array(rows, dtype=float) for rows in wanted.values()
         )
         heading[:, 1] = np.unwrap(heading[:, 1])
         if not self.aboard:
@@ -50,8 +51,7 @@ class Series:
         return sampled(self.name, motion, Channel(commands[:, 0], commands[:, 1:]))
 
 
-def _in_order(rows: Array) -> Array:
+def _in_order(rows: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
     """Rows of finite values by time, the first of each instant."""
-    rows = rows[np.all(np.isfinite(rows), axis=1)]
-    _, first = np.unique(rows[:, 0], return_index=True)
-    return rows[first]
+    finite = {row[0]: row for row in reversed(rows) if all(map(isfinite, row))}
+    return sorted(finite.values())

@@ -2,6 +2,7 @@
 """Logs of boats: tlogs written by pymavlink, CAN frames by PyPI dronecan, a DataFlash log."""
 
 import struct
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -153,6 +154,25 @@ def test_a_log_without_commands_names_what_is_missing(truth: VoyageLog, tmp_path
         read([tmp_path / "rover.tlog"])
 
 
+def test_positions_that_are_no_numbers_are_missing(truth: VoyageLog, tmp_path: Path) -> None:
+    nowhere = replace(truth, motion=truth.motion.copy())
+    nowhere.motion[:, :2] = np.nan
+    rows = attitude_and_place(nowhere, 3, 1) + servos(truth, 3, 1, 3)
+    (tmp_path / "rover.tlog").write_bytes(tlog(*rows))
+    with pytest.raises(BadLogError, match="contains no position"):
+        read([tmp_path / "rover.tlog"])
+
+
+def test_a_propeller_on_an_output_that_is_not_logged_is_named(
+    truth: VoyageLog, tmp_path: Path
+) -> None:
+    told = [parameter("SERVO4_FUNCTION", 73.0), parameter("SERVO17_FUNCTION", 74.0)]
+    content = tlog(*attitude_and_place(truth, 3, 1), *servos(truth, 3, 4, 2), *told)
+    (tmp_path / "rover.tlog").write_bytes(content)
+    with pytest.raises(BadLogError, match=r"rover.tlog: SERVO17_FUNCTION .* 1 to 16"):
+        read([tmp_path / "rover.tlog"])
+
+
 def test_a_ground_stations_log_of_several_vessels_is_refused(
     truth: VoyageLog, tmp_path: Path
 ) -> None:
@@ -208,9 +228,16 @@ def test_ardupilots_bin(truth: VoyageLog, tmp_path: Path) -> None:
             ("XKF1", t, 1, 0.0, 9.0, 9.0, 99.0, 99.0),
             ("RCOU", t, s, 0, p, 0),
         ]
-    (tmp_path / "rover.bin").write_bytes(dataflash(rows))
-    ((log,), _) = read([tmp_path / "rover.bin"])
+    (tmp_path / "ROVER.BIN").write_bytes(dataflash(rows))
+    ((log,), _) = read([tmp_path / "ROVER.BIN"])
     check(log, truth)
+
+
+@pytest.mark.parametrize("content", [b"", b"t_s,port,stbd\n"])
+def test_a_bin_that_is_no_dataflash_log_is_refused(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "log.bin").write_bytes(content)
+    with pytest.raises(BadLogError, match=r"log\.bin: is no DataFlash log"):
+        read([tmp_path / "log.bin"])
 
 
 def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
