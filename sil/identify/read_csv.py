@@ -4,7 +4,8 @@
 time (`t_s`, `t_ms`, `t_us`), position (`north_m`, `east_m`, or `lat_deg`, `lon_deg`), heading
 (`yaw_deg`, `yaw_rad`), speed over ground ahead and to starboard (`surge_mps`, `sway_mps`), yaw rate
 (`yaw_rate_radps`, `yaw_rate_degps`), and what each propeller was told: `port`, `stbd` (−1 … 1) or
-`pwm_port_us`, `pwm_stbd_us`. `left` and `right` serve for port and stbd, `heading` for yaw.
+`pwm_port_us`, `pwm_stbd_us`, where full thrust is 400 µs from the stop, or the greatest distance of
+either column if that is more. `left` and `right` serve for port and stbd, `heading` for yaw.
 """
 
 from pathlib import Path
@@ -33,34 +34,45 @@ def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
         Channel(t, np.column_stack([_need(path, columns, n) for n in ("surge_mps", "sway_mps")])),
         Channel(t, _yaw_rate(path, columns)[:, None]),
     ]
-    commands = np.column_stack([_command(path, columns, side, notes) for side in ("port", "stbd")])
+    commands = _commands(path, columns, notes)
     # A row has the last command until then: it began half a row earlier, on average.
     given = Channel(t - 0.5 * float(np.median(np.diff(t))), commands)
     return sampled(path.stem, motion, given), notes
 
 
 def _columns(path: Path) -> dict[str, Array]:
-    with path.open(encoding="utf-8", errors="replace") as file:
-        names = [name.strip().lower() for name in file.readline().split(",")]
+    # Spreadsheets put a byte order mark first.
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        head = file.readline()
+        names = [name.strip().lower() for name in head.split(",")]
         if "" in names or len(set(names)) < len(names) or not names[0][:1].isalpha():
             raise BadLogError(
                 f"{path}: the first line does not name the columns. Write names such as "
                 "t_s, north_m, east_m, yaw_deg, surge_mps, sway_mps, yaw_rate_radps, port, stbd."
             )
         try:
-            rows = file.readlines()
-            table = np.genfromtxt(rows, delimiter=",", ndmin=2) if rows else np.empty((0, 0))
+            rows = [head, *file]
+            table = np.empty((0, 0))
+            if len(rows) > 1:
+                table = np.genfromtxt(rows, delimiter=",", ndmin=2, skip_header=1)
         except ValueError as error:
-            raise BadLogError(f"{path}: {str(error).splitlines()[-1].strip()}") from None
+            raise BadLogError(f"{path}: {str(error).splitlines()[:2][-1].strip()}") from None
     if table.shape[0] < 2 or table.shape[1] != len(names):
         raise BadLogError(
             f"{path}: {table.shape[0]} rows of {table.shape[1]} values; "
             f"at least 2 rows of {len(names)} values are needed"
         )
-    columns = dict(zip(names, table.T, strict=True))
-    for other, name in _ALIASES:
-        columns = {key.replace(other, name): column for key, column in columns.items()}
-    return columns
+    given: dict[str, str] = {}
+    for name in names:
+        known = name
+        for other, ours in _ALIASES:
+            known = known.replace(other, ours)
+        if known in given:
+            raise BadLogError(
+                f"{path}: {given[known]} and {name} mean the same: leave one of them out"
+            )
+        given[known] = name
+    return dict(zip(given, table.T, strict=True))
 
 
 def _need(path: Path, columns: dict[str, Array], *names: str) -> Array:
@@ -123,7 +135,17 @@ def _yaw_rate(path: Path, columns: dict[str, Array]) -> Array:
     return rate
 
 
+def _commands(path: Path, columns: dict[str, Array], notes: list[str]) -> Array:
+    both = np.column_stack([_command(path, columns, side, notes) for side in ("port", "stbd")])
+    full = float(np.abs(np.nan_to_num(both)).max())
+    if full <= 1.0:
+        return both
+    notes.append(f"full thrust is taken as {full * _FULL_PWM:.4g} µs from the stop, not as 400")
+    return both / full
+
+
 def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str]) -> Array:
+    """The column of one side; a pulse width in 400 µs from the stop, which may be over 1."""
     if side in columns:
         share = columns[side]
         if np.nanmax(np.abs(share)) > 1.01:
@@ -132,7 +154,7 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
                 f"If it is a pulse width, name the column pwm_{side}_us; a thrust in newtons "
                 "must be divided by the greatest one."
             )
-        return share
+        return np.clip(share, -1.0, 1.0)
     pwm = _need(path, columns, f"pwm_{side}_us", f"{side}_pwm_us", side)
     if not (np.nanmin(pwm) > 800.0 and np.nanmax(pwm) < 2200.0):
         raise BadLogError(
@@ -145,4 +167,5 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
     stop = float(values[np.argmax(counts)]) if often else 1500.0
     if stop != 1500.0:
         notes.append(f"the {side} propeller stands still at {stop:.0f} µs, not at 1500")
-    return np.clip((pwm - stop) / _FULL_PWM, -1.0, 1.0)
+    offset: Array = (pwm - stop) / _FULL_PWM
+    return offset

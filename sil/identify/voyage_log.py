@@ -55,6 +55,13 @@ def sampled(name: str, motion: list[Channel], commands: Channel) -> VoyageLog:
             f"{name}: motion and commands overlap for only {max(end - begin, 0.0):.0f} s; "
             "an identification needs minutes. Log both at the same time."
         )
+    for what, channel in (("speed", motion[2]), ("yaw rate", motion[3])):
+        known = channel.t_s[np.isfinite(channel.values[:, 0])]
+        every_s = np.median(np.diff(known)) if len(known) > 1 else np.inf
+        if every_s > _GAP_S:
+            raise BadLogError(
+                f"{name}: the {what} comes at {1.0 / every_s:.2g} Hz; 2 Hz or more is needed"
+            )
     t = begin + np.arange(count) * SAMPLE_S
     columns = [_at(c, t) for c in motion]
     steady = np.hstack(columns)
@@ -79,9 +86,11 @@ def _at(channel: Channel, t: Array) -> Array:
 
 
 def _held(commands: Channel, t: Array) -> Array:
-    """Mean over each sample of commands that hold until the next."""
+    """Mean over each sample of commands that hold until the next; 0 before the first."""
     times = np.append(commands.t_s, t[-1] + 1.0)
-    held = np.nan_to_num(commands.values)
+    rows = np.arange(len(commands.values))[:, None]
+    last = np.maximum.accumulate(np.where(np.isfinite(commands.values), rows, 0))
+    held = np.nan_to_num(np.take_along_axis(commands.values, last, axis=0))
     area = np.vstack([np.zeros(2), np.cumsum(held * np.diff(times)[:, None], axis=0)])
     edges = np.append(t, t[-1] + SAMPLE_S)
     at = np.column_stack([np.interp(edges, times, column) for column in area.T])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sil.identify.log_files import read
 from sil.identify.read_csv import read_csv
 from sil.identify.voyage_log import SAMPLE_S, BadLogError
 from tests.sil.identify.sailed import Noise, levels, sail
@@ -68,6 +69,56 @@ def test_degrees_milliseconds_pulses_and_other_names_give_the_same(tmp_path: Pat
     assert [note for note in notes if "1510" in note] == notes and len(notes) == 2
 
 
+def test_an_empty_cell_of_a_command_means_that_the_last_one_holds(tmp_path: Path) -> None:
+    table = columns()
+    table["port"] = np.round(table["port"], 6)
+    changed = np.append(True, np.diff(table["port"]) != 0.0)
+    assert 5 < changed.sum() < len(changed) / 5
+    plain, _ = read_csv(written(tmp_path, table))
+    log, _ = read_csv(
+        written(tmp_path, {**table, "port": np.where(changed, table["port"], np.nan)})
+    )
+    assert np.allclose(log.commands, plain.commands)
+    table["port"][:100] = np.nan
+    log, _ = read_csv(written(tmp_path, table))
+    assert np.all(log.commands[:90, 0] == 0.0)
+
+
+def test_pulses_beyond_400_us_are_scaled_and_noted(tmp_path: Path) -> None:
+    table = columns()
+    table["port"][-20:], table["stbd"][-20:] = 1.0, -0.8
+    plain, _ = read_csv(written(tmp_path, table))
+    pulses = {f"pwm_{side}_us": 1500.0 + 500.0 * table.pop(side) for side in ("port", "stbd")}
+    log, notes = read_csv(written(tmp_path, table | pulses))
+    assert np.allclose(log.commands, plain.commands, atol=1e-6)
+    assert notes == ["full thrust is taken as 500 µs from the stop, not as 400"]
+
+
+@pytest.mark.parametrize(("ours", "other"), [("yaw_rad", "heading_rad"), ("port", "left")])
+def test_two_columns_that_mean_the_same_are_refused(tmp_path: Path, ours: str, other: str) -> None:
+    table = columns()
+    table[other] = table[ours]
+    with pytest.raises(BadLogError, match=f"{ours} and {other} mean the same"):
+        read_csv(written(tmp_path, table))
+
+
+def test_a_log_of_one_row_a_second_is_refused_with_its_rate(tmp_path: Path) -> None:
+    table = {name: np.repeat(column, 10) for name, column in columns().items()}
+    table["t_s"] = np.arange(len(table["t_s"])) * 0.1
+    slow = {name: column[::10] for name, column in table.items()}
+    with pytest.raises(BadLogError, match=r"the speed comes at 1 Hz; 2 Hz or more is needed"):
+        read_csv(written(tmp_path, slow))
+
+
+def test_a_byte_order_mark_and_capital_letters_are_understood(tmp_path: Path) -> None:
+    path = written(tmp_path, columns())
+    plain, _ = read_csv(path)
+    marked = tmp_path / "LOG.CSV"
+    marked.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    ((log,), _) = read([marked])
+    assert np.array_equal(log.motion, plain.motion)
+
+
 def test_latitudes_are_metres_as_geopy_has_them(tmp_path: Path) -> None:
     table = columns()
     table["lat_deg"] = 63.4 + table.pop("north_m") / 111_195.0
@@ -113,7 +164,7 @@ def test_nonsense_is_refused_with_the_columns_name(tmp_path: Path, case: str) ->
         ("", "does not name the columns"),
         ("1,2,3\n4,5,6\n", "does not name the columns"),
         ("t_s,north_m\n1,2\n2,3\n", "no column"),
-        ("t_s,north_m\n1,2\n2\n", "log.csv"),
+        ("t_s,north_m\n1,2\n2\n3,4\n5\n", r"log.csv: .*#3 .*1 columns instead of 2"),
         ("t_s,port\n", "log.csv"),
     ],
 )
