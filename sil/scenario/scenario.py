@@ -193,9 +193,13 @@ def read(
         hulls.override(source, override)
     if law_override is not None:
         law.impose(law_override, source.document)
+    # The law decides which of a hull's gains count.
+    laws = [text for text in overrides if text.partition("=")[0].strip() == "law"]
+    for override in laws:
+        source.override(override)
     hulls.expand(source)
     for override in overrides:
-        if override not in makers and override not in named:
+        if override not in (*makers, *named, *laws):
             source.override(override)
     return source
 

@@ -34,6 +34,14 @@ def test_keys_of_the_file_change_its_hull(tmp_path: Path) -> None:
     assert fleet.firmware_parameters(fleet.boat[2])["VES_M11"] == 91.0
 
 
+def test_override_of_the_law_chooses_the_hulls_gains_as_the_option_does() -> None:
+    for name in ("paper", "product"):
+        by_key = load("diamond", ["hull=otter", f"law={name}"])
+        by_option = load("diamond", ["hull=otter"], name)
+        assert by_key.law == by_option.law == name
+        assert by_key.parameters == by_option.parameters
+
+
 def test_boat_has_its_own_hull_whole(tmp_path: Path) -> None:
     text = 'base = "diamond"\nhull = "otter"\n[boat.2]\nhull = "heron"\nvessel.d22 = 20\n'
     fleet = written(tmp_path, text)
