@@ -119,11 +119,13 @@ def _loops(case: Case) -> Iterable[tuple[str, str]]:
 
 def _propellers(case: Case) -> Iterable[tuple[str, str]]:
     need, pair = case.thrust, case.setup.propellers
-    limits = f"{-pair.reverse_max_N:.3g} … {pair.forward_max_N:.3g}"
+    weaker = min(pair.port_gain, pair.stbd_gain)
+    limits = f"{-weaker * pair.reverse_max_N:.3g} … {weaker * pair.forward_max_N:.3g}"
     yield "propeller limits (N)", limits.replace("-", "−")
     span = f"{need.least_N:z.2f} … {need.most_N:z.2f}"
     yield "  the slot needs (N)", span.replace("-", "−")
-    yield "  margin (%)", f"{100.0 * need.margin:.1f}".replace("-", "−")
+    finite = math.isfinite(need.margin)
+    yield "  margin (%)", f"{100.0 * need.margin:.1f}".replace("-", "−") if finite else "no reverse"
     yield "  least margin", f"{need.side}, {'ahead' if need.direction == 'forward' else 'astern'}"
     yield "    at time in window (s)", f"{need.at_s:.1f}"
 

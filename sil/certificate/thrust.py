@@ -2,6 +2,8 @@
 """Compares the thrusts that a boat's slot needs with the limits of its propellers.
 
 T_port = X/2 + N/2a        T_stbd = X/2 − N/2a        a half the distance between the two
+
+A propeller's limit is γ T_max, as in `sil.plant.propeller`.
 """
 
 from dataclasses import dataclass
@@ -22,7 +24,7 @@ class ThrustNeed:
     """Extremes of both propellers, N, and the one nearest to its limit.
 
     `margin`: unused share of the limit of propeller `side` in `direction`, at `at_s` after the
-    window's beginning; negative if the propeller cannot give the thrust.
+    window's beginning; negative if the propeller cannot give the thrust, −∞ if it has no reverse.
     """
 
     least_N: float
@@ -42,12 +44,12 @@ class ThrustNeed:
 def thrust_need(slot: SlotMotion, propellers: PropellerParameters) -> ThrustNeed:
     """The thrusts that a slot needs from a boat's propellers."""
     thrust = thrusts(slot.tau, propellers.arm_m)
-    forward = thrust / propellers.forward_max_N
-    reverse = np.zeros_like(thrust)
+    gains = np.array([propellers.port_gain, propellers.stbd_gain])
+    forward = thrust / (gains * propellers.forward_max_N)
     astern = thrust < -1e-9
     # a propeller that cannot reverse would need an infinite share of its limit
-    with np.errstate(divide="ignore"):
-        reverse[astern] = -thrust[astern] / np.float64(propellers.reverse_max_N)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reverse = np.where(astern, -thrust / (gains * propellers.reverse_max_N), 0.0)
     used = np.maximum(forward, reverse)
     k, side = (int(i) for i in np.unravel_index(np.argmax(used), used.shape))
     times_s = slot.motion.times_s

@@ -92,6 +92,10 @@ def _thrust(case: Case) -> str:
             "which no propeller can give"
         )
     side = "port" if need.side == "port" else "starboard"
+    if need.margin == -math.inf:
+        return (
+            f"{name(case.boats)}: the slot needs reverse thrust, but the {side} propeller has none"
+        )
     return (
         f"{name(case.boats)}: the slot needs {-100.0 * need.margin:.0f} % more {need.direction} "
         f"thrust than the {side} propeller can give"

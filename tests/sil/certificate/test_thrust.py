@@ -41,6 +41,16 @@ def test_propeller_that_cannot_reverse_gives_no_reverse() -> None:
     assert need(np.array([[2.0, 0.1]]), 2.0, 0.0).given
 
 
+def test_weaker_propeller_is_nearer_to_its_limit() -> None:
+    motion = motion_of(5.0, 8.0, np.zeros((2, 3)), np.zeros((1, 3)))
+    pair = PropellerParameters(0.25, 2.0, 2.0, 0.0, 0.0, port_gain=0.9, stbd_gain=0.6)
+    ahead, astern = (SlotMotion(motion, np.array([[x, 0.0]]), 0.0) for x in (1.8, -1.8))
+    for slot, direction in ((ahead, "forward"), (astern, "reverse")):
+        found = thrust_need(slot, pair)
+        assert (found.side, found.direction) == ("stbd", direction)
+        assert found.margin == pytest.approx(1.0 - 0.9 / (0.6 * 2.0))
+
+
 def test_slot_that_needs_a_push_abeam_is_not_given_it() -> None:
     assert not need(np.array([[1.0, 0.0]]), 2.0, 2.0, sway_N=0.1).given
 
