@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """The nominal run of a campaign's scenario, for the report's pictures."""
 
-import os
 from pathlib import Path
 
 import numpy as np
 
+from sil.common import files
 from sil.lockstep.start import RunError
 from sil.lockstep.world import Progress, sail
 from sil.plant.hull import Array
@@ -36,11 +36,10 @@ def write(
     (run,) = sail([chosen], parameters, keep_s=_SAMPLE_S, progress=progress)
     if isinstance(run, RunError):
         return False
-    part = out / f".{NAME.removesuffix('.npz')}.part.npz"
     arrays = {key: run.trace[key] for key in ("t_s", "eta", "error")}
-    # numpy's stubs take any keyword for its own options
-    np.savez_compressed(part, **arrays)  # type: ignore[arg-type]
-    os.replace(part, out / NAME)
+    with files.whole(out / NAME) as file:
+        # numpy's stubs take any keyword for its own options
+        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
     return True
 
 

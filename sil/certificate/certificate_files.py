@@ -4,10 +4,7 @@
 import base64
 import io
 import json
-import os
-import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict
 from html import escape
 from pathlib import Path
@@ -29,45 +26,33 @@ _LAW = ("LAW_", "VES_", "THR_", "FORM_FRAME")
 
 def check(folder: Path, also: Path | None) -> None:
     """Check that `write` can write to the paths, leaving no file; OSError names the path given."""
-    _check_folder(folder, folder)
+    files.check_folder(folder, folder)
     if also is not None:
         if also.is_dir():
             raise OSError(f"{also}: is a folder")
-        _check_folder(also.parent, also)
-
-
-def _check_folder(folder: Path, told: Path) -> None:
-    with _naming(told):
-        there = next(path for path in (folder, *folder.parents) if os.path.lexists(path))
-        tempfile.TemporaryFile(dir=there).close()
+        files.check_folder(also.parent, also)
 
 
 def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
-    """Write page, JSON and pictures into a folder, which is created; write the JSON also to `also`.
-
-    OSError names the path given.
-    """
+    """Write page, JSON and pictures into a folder, which is made; write the JSON also to `also`."""
     name, legs = certificate.scenario.name, certificate.legs
     pictures = {"decay.png": picture.decay(name, legs), "chain.png": gain_picture.gains(name, legs)}
     drawn: list[bytes] = []
-    with _naming(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        for file, figure in pictures.items():
-            if figure is None:
-                (folder / file).unlink(missing_ok=True)
-                continue
-            png = io.BytesIO()
-            figure.savefig(png, format="png")
-            files.replace(folder / file, png.getvalue())
-            drawn.append(png.getvalue())
-        files.replace(folder / "certificate.html", page(certificate, drawn).encode())
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, figure in pictures.items():
+        if figure is None:
+            (folder / file).unlink(missing_ok=True)
+            continue
+        png = io.BytesIO()
+        figure.savefig(png, format="png")
+        files.replace(folder / file, png.getvalue())
+        drawn.append(png.getvalue())
+    files.replace(folder / "certificate.html", page(certificate, drawn).encode())
     text = (json.dumps(document(certificate), indent=2, allow_nan=False) + "\n").encode()
-    with _naming(folder):
-        files.replace(folder / "certificate.json", text)
+    files.replace(folder / "certificate.json", text)
     if also is not None:
-        with _naming(also):
-            also.parent.mkdir(parents=True, exist_ok=True)
-            files.replace(also, text)
+        also.parent.mkdir(parents=True, exist_ok=True)
+        files.replace(also, text)
 
 
 def page(certificate: Certificate, pictures: Sequence[bytes]) -> str:
@@ -149,12 +134,3 @@ def _case(case: Case) -> dict[str, Any]:
             "sampled_of_law": case.curve_of_law,
         },
     }
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Make errors about temporary files name `path` instead."""
-    try:
-        yield
-    except OSError as error:
-        raise OSError(f"{path}: {error.strerror}") from None

@@ -3,21 +3,53 @@
 
 import math
 import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
+
+
+def check_folder(folder: Path, told: Path) -> None:
+    """Check that `folder` is writable or can be made, leaving no file; OSError names `told`."""
+    with naming(told):
+        there = next(path for path in (folder, *folder.parents) if os.path.lexists(path))
+        tempfile.TemporaryFile(dir=there).close()
 
 
 def replace(path: Path, content: bytes) -> None:
-    """Write `path` atomically; a device, pipe or link is written to, not replaced."""
-    if path.is_symlink() or (path.exists() and not path.is_file()):
-        path.write_bytes(content)
-        return
-    part = path.with_name(f".{path.name}.part")
+    """Write `path` as `whole` does."""
+    with whole(path) as file:
+        file.write(content)
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[BinaryIO]:
+    """A file to write, which becomes `path` at the end, or is removed after an error.
+
+    A device, pipe or link is written to, not replaced. OSError names `path`.
+    """
+    replaces = not path.is_symlink() and (path.is_file() or not path.exists())
+    part = path.with_name(f".{path.name}.part") if replaces else path
     try:
-        part.write_bytes(content)
-        os.replace(part, path)
+        with naming(path):
+            with part.open("wb") as file:
+                yield file
+            if replaces:
+                os.replace(part, path)
     finally:
-        part.unlink(missing_ok=True)
+        if replaces:
+            part.unlink(missing_ok=True)
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Make errors about files name `path`."""
+    try:
+        yield
+    except OSError as error:
+        error.filename, error.filename2 = str(path), None
+        raise
 
 
 def plain(value: Any) -> Any:

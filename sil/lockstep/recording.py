@@ -12,8 +12,11 @@ import hashlib
 import json
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, Self
+
+from sil.common.files import naming
 
 MAGIC = b"FLOTILLA"
 _HEAD = struct.Struct("<QHH")
@@ -53,20 +56,23 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         """Delete an unfinished file."""
         if self._path is not None and self._file is not None:
-            self._file.close()
+            with suppress(OSError):  # of a full disk
+                self._file.close()
             _part(self._path).unlink(missing_ok=True)
 
     def write(self, records: bytes) -> None:
         """Append whole records."""
         self._sha256.update(records)
-        if self._file is not None:
-            self._file.write(records)
+        if self._path is not None and self._file is not None:
+            with naming(self._path):
+                self._file.write(records)
 
     def finish(self) -> str:
         """Finish the file; SHA-256, in hexadecimal, of the records."""
         if self._path is not None and self._file is not None:
-            self._file.close()
-            _part(self._path).replace(self._path)
+            with naming(self._path):
+                self._file.close()
+                _part(self._path).replace(self._path)
         return self._sha256.hexdigest()
 
 

@@ -2,7 +2,6 @@
 """Sails one scenario, in lockstep or live, and leaves its results in a folder."""
 
 import json
-import os
 import shutil
 import time
 import zipfile
@@ -196,12 +195,13 @@ def save(out: Path, summary: Summary, trace: Mapping[str, Array]) -> None:
 
     Numbers of the summary that are not finite become null.
     """
-    part = out / ".trace.part.npz"
     # numpy's own savez_compressed takes four times as long for a tenth less.
-    with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+    with (
+        files.whole(out / "trace.npz") as file,
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+    ):
         for name, values in trace.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
                 np.lib.format.write_array(entry, values)
-    os.replace(part, out / "trace.npz")
     content = json.dumps(files.plain(dict(summary)), indent=2, allow_nan=False)
     files.replace(out / "summary.json", f"{content}\n".encode())

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sil.lockstep.recording import Recorder, Recording
+from tests.sil.full_disk import full_disk
 
 RECORDS = [(0, 256, b""), (10_000, 280, b"\x01\x02"), (2**40, 65535, bytes(range(256)))]
 
@@ -29,6 +30,12 @@ def break_off(path: Path) -> None:
         raise RuntimeError
 
 
+def record_much(path: Path) -> None:
+    with Recorder(path, {}) as recorder:
+        for _ in range(1000):
+            recorder.write(bytes(100))
+
+
 def test_what_was_recorded_is_read_back_with_its_digest(tmp_path: Path) -> None:
     digest = record(tmp_path / "recording.bin")
     recording = Recording(tmp_path / "recording.bin")
@@ -43,6 +50,14 @@ def test_a_run_that_breaks_off_leaves_the_recording_before_it(tmp_path: Path) ->
         break_off(tmp_path / "recording.bin")
     assert Recording(tmp_path / "recording.bin").digest() == digest
     assert [path.name for path in tmp_path.iterdir()] == ["recording.bin"]
+
+
+def test_a_full_disk_is_told_with_the_files_name_and_leaves_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "recording.bin"
+    with full_disk(), pytest.raises(OSError, match=r"recording\.bin'") as error:
+        record_much(path)
+    assert error.value.filename == str(path)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_cut_off_anywhere_is_an_error_and_never_a_crash(tmp_path: Path) -> None:

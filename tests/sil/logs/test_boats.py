@@ -306,7 +306,7 @@ def test_a_full_disk_is_told_and_leaves_nothing(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["convert", str(log), "--out", "/dev/full"]) == 2
-    assert_told_in_one_line("No space left", capsys)
+    assert_told_in_one_line("/dev/full: No space left", capsys)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
