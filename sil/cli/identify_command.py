@@ -42,6 +42,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
+    from sil.common import files
     from sil.identify import identify_files, identify_report
     from sil.identify.identification import identify
     from sil.identify.log_files import read
@@ -53,6 +54,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     boat = Boat(options.mass)
     body = Body(arm_m=options.arm, length_m=options.length, h_s=SAMPLE_S)
     out = claim(options.out, "identify.json", "identify")
+    files.check_folder(out, out)
     logs, notes = read(options.logs)
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn())
     with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:

@@ -57,6 +57,16 @@ def test_swapped_propellers_get_no_parameters(
 def test_a_log_that_is_not_there_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+def test_a_folder_that_cannot_be_written_is_told_before_any_log_is_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sil.identify.log_files.read", lambda _: pytest.fail("read"))
+    (tmp_path / "file").touch()
+    out = str(tmp_path / "file" / "out")
+    assert main(["identify", "voyage.csv", *SIZES, "--out", out]) == 2
+    assert capsys.readouterr().err == f"error: {out}: Not a directory\n"
+
+
     missing = tmp_path / "none.csv"
     assert main(["identify", str(missing), *SIZES, "--out", str(tmp_path / "out")]) == 2
     assert str(missing) in capsys.readouterr().err
