@@ -7,6 +7,7 @@ import time
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from math import hypot
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemaini
 from sil.common import files
 from sil.lockstep import metrics
 from sil.lockstep.metrics import Summary
-from sil.lockstep.world import Progress, Run, World
+from sil.lockstep.world import Progress, Run, World, check
 from sil.plant.hull import Array
 from sil.report import headline, run_report
 from sil.report.drawing import CAN_DRAW, Drawing
@@ -76,18 +77,17 @@ def live(
 
     if scenario.fault:
         raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
-    program = live_world.build(console.print)
-    out.mkdir(parents=True, exist_ok=True)
-    _remove_earlier(out)
-    began_s = time.perf_counter()
-    with (
-        live_world.LiveWorld(scenario, bus, param_overrides, mavlink, gcs, _TCP_FROM) as world,
-        _bar(scenario, console) as progress,
-    ):
+    check(scenario, param_overrides)
+    with live_world.LiveWorld(scenario, bus, param_overrides, mavlink, gcs, _TCP_FROM) as world:
+        program = live_world.build(partial(console.print, markup=False))
+        out.mkdir(parents=True, exist_ok=True)
+        _remove_earlier(out)
+        began_s = time.perf_counter()
         for system, port, wished in world.doors():
             taken = "" if port == wished else f" ({wished} is taken)"
             console.print(f"boat {system} is at tcp:127.0.0.1:{port}{taken}")
-        tracer = world.run(program, out, progress)
+        with _bar(scenario, console) as progress:
+            tracer = world.run(program, out, progress)
         console.print(f"the simulation was at most {world.late_us / 1000:.1f} ms late")
         if world.late_us > _LATE_US:
             console.print(

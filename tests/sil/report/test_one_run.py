@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""Sailing one scenario: what it leaves, also when it cannot start or is interrupted."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sil.cli.main import main
+from sil.live import live_world
+from sil.lockstep import metrics
+from sil.report import one_run
+
+EARLIER = ("recording.bin", "boat1/flotillad.log", "boat1/state/parameters", "boat1/log/x.tlog")
+
+
+def summary() -> metrics.Summary:
+    return {
+        "scenario": "diamond",
+        "seed": 1,
+        "duration_s": 1.0,
+        "wall_s": 1.0,
+        "real_time_factor": 1.0,
+        "digest": None,
+        "release_unix_s": None,
+        "late_s": None,
+        "boats": [],
+        "min_separation_m": None,
+        "hull_m": 1.0,
+    }
+
+
+def test_interrupt_while_the_trace_is_written_leaves_the_earlier_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one_run.save(tmp_path, summary(), {"t_s": np.zeros(3)})
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(np.lib.format, "write_array", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        one_run.save(tmp_path, summary(), {"t_s": np.ones(3)})
+    assert {path.name for path in tmp_path.iterdir()} == {"summary.json", "trace.npz"}
+    with np.load(tmp_path / "trace.npz") as trace:
+        assert np.array_equal(trace["t_s"], np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (["--bus", "mcats:0"], '--bus "mcats:0"'),
+        (["--mavlink", "udp:1"], "udp:1"),
+        (["--gcs", "127.0.0.1:14550"], "--gcs"),
+        (["--param", "LAW_KX=9"], "LAW_KX"),
+    ],
+)
+def test_live_run_that_cannot_start_builds_nothing_and_keeps_earlier_logs(
+    wrong: list[str],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(live_world, "build", lambda _: pytest.fail("built"))
+    for name in EARLIER:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_bytes(b"earlier")
+    assert main(["live", "diamond", *wrong, "--out", str(tmp_path)]) == 2
+    assert said in capsys.readouterr().err
+    assert all((tmp_path / name).exists() for name in EARLIER)
+
+
+def test_brackets_in_names_are_printed_as_they_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "[a]"
+    named = ("--set", "duration_s=2", "--set", 'name="[/b]"')
+    main(["run", "diamond", *named, "--mcap", "--out", str(out)])
+    told = capsys.readouterr().out
+    assert f"results: {out}/report.html" in told and f"log: {out}/run.mcap" in told
+    assert "[/b]: sailing 2 s" in told and "[/b], seed 1" in told
