@@ -191,4 +191,4 @@ def _finish(
     with in_a_process(worst.write, folder.path, sampler, parameters) as worst_sailed:
         campaign_report.write(folder.path, worst_sailed)
     folder.finish()
-    console.print(f"results: {folder.path}", soft_wrap=True)
+    _say(console, f"results: {folder.path}")

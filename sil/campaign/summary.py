@@ -113,7 +113,7 @@ def show(
     whose = of if failed else f"{len(runs)} runs"
     console.print(headline.of_campaign(_ended(nominal, runs, told)).marked, soft_wrap=True)
     title = f"{nominal.name}: |e| from {error['from_s']:g} s on, {whose}"
-    console.print(title, soft_wrap=True)
+    console.print(title, soft_wrap=True, markup=False)
     table = Table(min_width=50)
     for heading in ("boat", "median, m", "95th percentile, m"):
         table.add_column(heading, justify="right")

@@ -54,7 +54,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     certificate = _computed(chosen, parameters, console)
     certificate_files.write(certificate, out, options.json)
     certificate_report.tell(certificate, console)
-    console.print(f"results: {out}/certificate.html", soft_wrap=True)
+    console.print(f"results: {out}/certificate.html", soft_wrap=True, markup=False)
     return 0 if verdict.holds(certificate) else 1
 
 

@@ -62,9 +62,9 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         found = identify(logs, body, lambda share: bar.update(task, completed=share))
     identify_report.tell(found, boat, console)
     for note in notes:
-        console.print(f"[dim]{note}")
+        console.print(note, style="dim", markup=False)
     for path in identify_files.write(found, boat, out):
-        console.print(f"results: {path}", soft_wrap=True)
+        console.print(f"results: {path}", soft_wrap=True, markup=False)
     return 0 if identify_report.holds(found) else 1
 
 

@@ -103,7 +103,7 @@ def leave_motion(
     own = {"ESC_PORT": 0.0, "ESC_STBD": 1.0, **chosen.firmware_parameters(chosen.boat[0])}
     own.update(parameters)
     path = own_motion.leave(out, 1, round(own["ESC_PORT"]), round(own["ESC_STBD"]))
-    console.print(f"motion and commands: {path}", soft_wrap=True)
+    console.print(f"motion and commands: {path}", soft_wrap=True, markup=False)
 
 
 def _leave_mcap(out: Path, wanted: bool, console: "Console") -> None:
@@ -119,4 +119,4 @@ def _leave_mcap(out: Path, wanted: bool, console: "Console") -> None:
     with Progress(console=console) as shown:
         task = shown.add_task(path.name, total=1.0)
         run_folder.convert(out, path, lambda share: shown.update(task, completed=share))
-    console.print(f"log: {path}", soft_wrap=True)
+    console.print(f"log: {path}", soft_wrap=True, markup=False)

@@ -28,7 +28,7 @@ def sail(out: Path, only: str | None, console: Console, *, live: bool) -> int:
             done += live_matrix.rows(lambda share: bar.update(again, completed=share))
     console.print(fault_report.table(done))
     fault_report.write(out, done)
-    console.print(f"results: {out}/faults.md", soft_wrap=True)
+    console.print(f"results: {out}/faults.md", soft_wrap=True, markup=False)
     print(fault_report.summary(done))
     return int(not all(one.passed for one in done))
 

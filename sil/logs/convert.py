@@ -7,6 +7,7 @@ from pathlib import Path
 
 import rich.progress
 from rich.console import Console
+from rich.markup import escape
 
 from sil.lockstep.recording import MAGIC
 from sil.logs import boats, run_folder
@@ -24,7 +25,7 @@ def convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None
         out = _place(wanted or runs[0] / run_folder.NAME)
         with bar(out, console) as progress:
             messages = run_folder.convert(runs[0], out, progress)
-        console.print(f"{out}: {messages} messages", soft_wrap=True)
+        console.print(f"{out}: {messages} messages", soft_wrap=True, markup=False)
         return
     tlogs, candumps = _sorted_out(logs)
     out = _place(wanted or (tlogs or candumps)[0].with_suffix(".mcap"))
@@ -33,7 +34,7 @@ def convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None
     with bar(out, console) as progress:
         done = boats.convert(tlogs, candumps, out, progress)
     told = ", ".join(done.vessels)
-    console.print(f"{out}: {done.messages} messages of {told}", soft_wrap=True)
+    console.print(f"{out}: {done.messages} messages of {told}", soft_wrap=True, markup=False)
     if done.damaged:
         console.print(f"[bold red]skipped {done.damaged} damaged bytes of the logs")
 
@@ -77,5 +78,5 @@ def _is_candump(path: Path) -> bool:
 def bar(out: Path, console: Console) -> Iterator[boats.Progress]:
     """Show a progress bar for `out`."""
     with rich.progress.Progress(console=console, transient=True) as shown:
-        task = shown.add_task(out.name, total=1.0)
+        task = shown.add_task(escape(out.name), total=1.0)
         yield lambda share: shown.update(task, completed=share)

@@ -113,14 +113,14 @@ def _remove_earlier(out: Path) -> None:
 @contextmanager
 def _bar(scenario: Scenario, console: Console) -> Iterator[Progress]:
     bar = rich.progress.Progress(
-        TextColumn(f"{scenario.name}: sailing {scenario.duration_s:g} s"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TimeRemainingColumn(),
         console=console,
     )
     with bar:
-        task = bar.add_task("", total=1.0)
+        task = bar.add_task(f"{scenario.name}: sailing {scenario.duration_s:g} s", total=1.0)
         yield lambda share: bar.update(task, completed=share)
 
 
@@ -167,6 +167,7 @@ def _finish(
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     save(out, summary, trace)
     run_report.write(out, summary, trace, command, drawing.pictures(), replayed)
+    plain = partial(console.print, soft_wrap=True, markup=False)
     console.print(headline.of_run(summary).marked, soft_wrap=True)
     console.print(run_report.table(summary))
     for boat in summary["boats"]:
@@ -176,7 +177,7 @@ def _finish(
             console.print(f"[bold yellow]boat {boat['id']} was {coasted:.1f} s in COAST")
         if "said" in boat:
             words = "; ".join(boat["said"])
-            console.print(f"boat {boat['id']} said: {words}", soft_wrap=True, highlight=False)
+            plain(f"boat {boat['id']} said: {words}", highlight=False)
     for fault in scenario.fault:
         console.print(fault.sentence(scenario.leader.name), soft_wrap=True, highlight=False)
     digest = result.digest[:16] if result.digest else "none"
@@ -186,7 +187,7 @@ def _finish(
     )
     if not CAN_DRAW:
         console.print(r"the report has no pictures: pip install 'flotilla-usv\[view]' for them")
-    console.print(f"results: {out}/report.html", soft_wrap=True)
+    plain(f"results: {out}/report.html")
     return summary
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 from sil.common import files
 from sil.common.colours import colour_of
@@ -68,7 +69,7 @@ def write(
 def table(summary: Summary) -> Table:
     """The boats' numbers for the terminal."""
     title = f"{summary['scenario']}, seed {summary['seed']}; RMS and max: of the last third"
-    grid = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    grid = Table(title=Text(title, "table.title"), title_justify="left", box=box.SIMPLE_HEAD)
     for column in COLUMNS:
         grid.add_column(column, justify="right", max_width=10)
     for boat in summary["boats"]:

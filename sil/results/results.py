@@ -76,7 +76,8 @@ def main(options: argparse.Namespace) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     pages = ", the project's pages" if _whole(options) else ""
-    console.print(f"written: {options.out}/results.json, pictures{pages}", soft_wrap=True)
+    written = f"written: {options.out}/results.json, pictures{pages}"
+    console.print(written, soft_wrap=True, markup=False)
     return 0 if all(row.reached for row in table) else 1
 
 

@@ -57,12 +57,14 @@ def test_papers_diamond_is_certified_but_not_by_the_small_gain_test(
 
 
 @pytest.mark.usefixtures("no_chain")
-def test_wild_yaw_gain_is_not_certified(tmp_path: Path) -> None:
+def test_wild_yaw_gain_is_not_certified(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "[a]"
     at_50_hz = ("--set", "rate_hz=50", "--set", "navigation.rate_hz=50")
     wild = ("diamond", "--law", "paper", *at_50_hz, "--param", "LAW_KDR=500")
-    status, document = certified(tmp_path, *wild)
+    status, document = certified(out, *wild)
     assert status == 1
     assert "grow" in document["verdict"]
+    assert f"results: {out}/certificate.html" in capsys.readouterr().out
 
 
 def test_ten_boats_that_follow_each_other_are_not_certified(tmp_path: Path) -> None:
@@ -95,6 +97,17 @@ def test_weak_propellers_are_not_certified(tmp_path: Path) -> None:
     status, document = certified(tmp_path, "diamond", "--law", "paper", *weak)
     assert status == 1
     assert "needs 33 % more forward thrust than the" in document["verdict"]
+
+
+@pytest.mark.usefixtures("no_chain")
+def test_propellers_without_reverse_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ahead = ("--set", "propellers.reverse_max_N=0", "--set", "leader.input.1.yaw_sine_Nm=1.5")
+    status, document = certified(tmp_path, "diamond", "--law", "paper", *ahead)
+    told = capsys.readouterr().out
+    assert status == 1 and "inf" not in told
+    assert "the slot needs reverse thrust, but the" in document["verdict"]
 
 
 def test_straight_leg_is_not_certified_with_the_papers_law(

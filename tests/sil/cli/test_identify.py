@@ -27,10 +27,13 @@ def written(folder: Path, *, swapped: bool) -> Path:
     return path
 
 
-def test_a_log_becomes_a_page_parameters_and_a_hull_for_scenarios(tmp_path: Path) -> None:
-    out = tmp_path / "out"
+def test_a_log_becomes_a_page_parameters_and_a_hull_for_scenarios(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "[out]"
     log = written(tmp_path, swapped=False)
     assert main(["identify", str(log), *SIZES, "--out", str(out)]) == 0
+    assert f"results: {out}/identify.html" in capsys.readouterr().out
     loaded = mavparm.MAVParmDict()
     assert loaded.load(str(out / "hull.param"))
     assert loaded["VES_M11"] == pytest.approx(HULL.m11, rel=1e-3)
@@ -54,9 +57,6 @@ def test_swapped_propellers_get_no_parameters(
     }
 
 
-def test_a_log_that_is_not_there_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
 def test_a_folder_that_cannot_be_written_is_told_before_any_log_is_read(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -67,6 +67,9 @@ def test_a_folder_that_cannot_be_written_is_told_before_any_log_is_read(
     assert capsys.readouterr().err == f"error: {out}: Not a directory\n"
 
 
+def test_a_log_that_is_not_there_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     missing = tmp_path / "none.csv"
     assert main(["identify", str(missing), *SIZES, "--out", str(tmp_path / "out")]) == 2
     assert str(missing) in capsys.readouterr().err

@@ -114,8 +114,10 @@ def converted(*arguments: Path | str) -> dict[str, list[tuple[int, Any]]]:
 def test_a_boat_is_where_it_said_that_it_is(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    topics = converted(log, tmp_path / "out.mcap")
-    assert "messages of boat2, leader1" in capsys.readouterr().out
+    out = tmp_path / "[out].mcap"
+    topics = converted(log, out)
+    told = capsys.readouterr().out
+    assert f"{out}: " in told and "messages of boat2, leader1" in told
     states, fixes = topics["/boat2/state"], topics["/boat2/fix"]
     assert len(states) == len(fixes) == STEPS
     world = LocalFrame(*ORIGIN[:2], 488.0)
