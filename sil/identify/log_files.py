@@ -2,10 +2,13 @@
 """Logs of any kind, by their names' ends."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from sil.identify import read_telemetry
-from sil.identify.read_csv import read_csv
+from sil.identify.read_csv import FULL_US, read_csv
 from sil.identify.voyage_log import BadLogError, VoyageLog
 from sil.logs.tlog_reader import facts
 
@@ -14,7 +17,8 @@ def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
     """Every log, and sentences about what was assumed.
 
     A folder stands for the telemetry logs in it, or in its subfolder `log`; where a boat has one
-    for each link, for those of the navigation unit's. Raises `BadLogError`, `OSError`.
+    for each link, for those of the navigation unit's. Where pulses of a table leave 1100 … 1900 µs,
+    the farthest from the stop in all logs is full thrust. Raises `BadLogError`, `OSError`.
     """
     logs, notes = [], []
     for path in (file for given in paths for file in _files(given)):
@@ -29,6 +33,10 @@ def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
             raise BadLogError(f"{path}: unknown kind of log; supported are .csv, .tlog, .bin")
         logs.append(log)
         notes += [note for note in told if note not in notes]
+    full = round(max(float(np.abs(log.commands).max()) for log in logs), 3)
+    if full > 1.0:
+        notes.append(f"full thrust is taken as {full * FULL_US:.0f} µs from the stop, not as 400")
+        logs = [replace(log, commands=log.commands / full) for log in logs]
     return logs, notes
 
 

@@ -4,8 +4,8 @@
 time (`t_s`, `t_ms`, `t_us`), position (`north_m`, `east_m`, or `lat_deg`, `lon_deg`), heading
 (`yaw_deg`, `yaw_rad`), speed over ground ahead and to starboard (`surge_mps`, `sway_mps`), yaw rate
 (`yaw_rate_radps`, `yaw_rate_degps`), and what each propeller was told: `port`, `stbd` (−1 … 1) or
-`pwm_port_us`, `pwm_stbd_us`, where full thrust is 400 µs from the stop, or the greatest distance of
-either column if that is more. `left` and `right` serve for port and stbd, `heading` for yaw.
+`pwm_port_us`, `pwm_stbd_us`, 400 µs from the stop being ±1. `left` and `right` serve for port and
+stbd, `heading` for yaw.
 """
 
 from pathlib import Path
@@ -19,12 +19,16 @@ _LARGEST_HEADING = 4.0 * np.pi
 _TURN_AT_ONCE = 45.0  # rad/s: no boat turns so fast
 _STOP_PWM = (1450.0, 1550.0)
 _STOPPED = 0.1  # share of the samples at one pulse width: that is a stop
-_FULL_PWM = 400.0
+FULL_US = 400.0
+_USUAL_PWM = (1100.0, 1900.0)
 _ALIASES = (("left", "port"), ("right", "stbd"), ("starboard", "stbd"), ("heading", "yaw"))
 
 
 def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
-    """The log, and sentences about what was assumed. Raises `BadLogError`."""
+    """The log, and sentences about what was assumed. Raises `BadLogError`.
+
+    Commands are beyond ±1 where pulses are outside 1100 … 1900 µs.
+    """
     columns = _columns(path)
     notes: list[str] = []
     t = _time(path, columns)
@@ -34,7 +38,7 @@ def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
         Channel(t, np.column_stack([_need(path, columns, n) for n in ("surge_mps", "sway_mps")])),
         Channel(t, _yaw_rate(path, columns)[:, None]),
     ]
-    commands = _commands(path, columns, notes)
+    commands = np.column_stack([_command(path, columns, side, notes) for side in ("port", "stbd")])
     # A row has the last command until then: it began half a row earlier, on average.
     given = Channel(t - 0.5 * float(np.median(np.diff(t))), commands)
     return sampled(path.stem, motion, given), notes
@@ -135,17 +139,7 @@ def _yaw_rate(path: Path, columns: dict[str, Array]) -> Array:
     return rate
 
 
-def _commands(path: Path, columns: dict[str, Array], notes: list[str]) -> Array:
-    both = np.column_stack([_command(path, columns, side, notes) for side in ("port", "stbd")])
-    full = float(np.abs(np.nan_to_num(both)).max())
-    if full <= 1.0:
-        return both
-    notes.append(f"full thrust is taken as {full * _FULL_PWM:.4g} µs from the stop, not as 400")
-    return both / full
-
-
 def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str]) -> Array:
-    """The column of one side; a pulse width in 400 µs from the stop, which may be over 1."""
     if side in columns:
         share = columns[side]
         if np.nanmax(np.abs(share)) > 1.01:
@@ -167,5 +161,8 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
     stop = float(values[np.argmax(counts)]) if often else 1500.0
     if stop != 1500.0:
         notes.append(f"the {side} propeller stands still at {stop:.0f} µs, not at 1500")
-    offset: Array = (pwm - stop) / _FULL_PWM
-    return offset
+    share = (pwm - stop) / FULL_US
+    if np.nanmin(pwm) < _USUAL_PWM[0] or np.nanmax(pwm) > _USUAL_PWM[1]:
+        return share
+    # A stop beside 1500 makes one side longer, which on a real BlueBoat gives no more thrust.
+    return np.clip(share, -1.0, 1.0)

@@ -84,14 +84,32 @@ def test_an_empty_cell_of_a_command_means_that_the_last_one_holds(tmp_path: Path
     assert np.all(log.commands[:90, 0] == 0.0)
 
 
-def test_pulses_beyond_400_us_are_scaled_and_noted(tmp_path: Path) -> None:
-    table = columns()
-    table["port"][-20:], table["stbd"][-20:] = 1.0, -0.8
-    plain, _ = read_csv(written(tmp_path, table))
-    pulses = {f"pwm_{side}_us": 1500.0 + 500.0 * table.pop(side) for side in ("port", "stbd")}
-    log, notes = read_csv(written(tmp_path, table | pulses))
-    assert np.allclose(log.commands, plain.commands, atol=1e-6)
+def test_pulses_beyond_400_us_are_scaled_alike_in_all_logs_and_noted(tmp_path: Path) -> None:
+    far, near = columns(), columns()
+    far["port"][-20:], far["stbd"][-20:] = 1.0, -0.8
+    near["port"][100:] *= 0.5
+    near["stbd"][100:] *= 0.5
+    plain, paths = [], []
+    for k, table in enumerate((far, near)):
+        plain.append(read_csv(written(tmp_path, table))[0])
+        pulses = {f"pwm_{side}_us": 1500.0 + 500.0 * table.pop(side) for side in ("port", "stbd")}
+        paths.append(written(tmp_path, table | pulses).rename(tmp_path / f"{k}.csv"))
+    logs, notes = read(paths)
+    for log, wanted in zip(logs, plain, strict=True):
+        assert np.allclose(log.commands, wanted.commands, atol=1e-6)
     assert notes == ["full thrust is taken as 500 µs from the stop, not as 400"]
+
+
+def test_a_stop_beside_1500_us_makes_no_pulse_of_1100_to_1900_more_than_full(
+    tmp_path: Path,
+) -> None:
+    table = columns()
+    table["port"][-20:] = -1.0
+    for side in ("port", "stbd"):
+        table[f"pwm_{side}_us"] = np.clip(1510.0 + 410.0 * table.pop(side), 1100.0, 1900.0)
+    ((log,), notes) = read([written(tmp_path, table)])
+    assert np.abs(log.commands).max() == pytest.approx(1.0)
+    assert len(notes) == 2 and all("1510" in note for note in notes)
 
 
 @pytest.mark.parametrize(("ours", "other"), [("yaw_rad", "heading_rad"), ("port", "left")])
