@@ -51,4 +51,4 @@ def test_a_text_names_propeller_share_time_and_what_to_set() -> None:
     case = learning.weak("noisy", 0.88, 1.0)
     first = texts(learning.learnt(case.fleet, case.changes, [1], 4.0))[0]
     # the boats' clocks do not know the time of day
-    assert re.fullmatch(r"Port 1\d % weak since minute \d: THR_BALANCE 0\.0[5-8]", first), first
+    assert re.fullmatch(r"Port 1\d % weak for \d min: THR_BALANCE 0\.0[5-8]", first), first

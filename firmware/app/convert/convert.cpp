@@ -60,7 +60,8 @@ Separation<S> way_to(const Position& from, const GlobalPoint& to, float within_m
   const Plane plane = plane_at(from.origin), there{to.latitude, to.longitude};
   const auto [north_m, east_m, down_m] = plane.local_of(there.origin());
   const Seen seen{north_m - from.north_m, east_m - from.east_m, 0, down_m < kSameSide_m};
-  return {{scalar<S>(seen.north_m), scalar<S>(seen.east_m)}, is_near(seen, within_m)};
+  if (!is_near(seen, within_m)) return {};
+  return {{scalar<S>(seen.north_m), scalar<S>(seen.east_m)}, true};
 }
 
 template <class S>

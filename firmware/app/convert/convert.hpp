@@ -132,14 +132,14 @@ double distance_m(const Position& a, const Position& b);
 /// Exact if both have the same origin.
 template <class S>
 struct Separation {
-  core::Vec2<S> n;
-  bool near;
+  core::Vec2<S> n{};
+  bool near = false;
 };
 template <class S>
 Separation<S> separation(const Position& own, const Position& leader);
 
 /// Vector to a point at sea level, m, north-east in the plane of the position's origin, and whether
-/// it is within `within_m`.
+/// it is within `within_m`; zero if not.
 template <class S>
 Separation<S> way_to(const Position& from, const GlobalPoint& to, float within_m);
 

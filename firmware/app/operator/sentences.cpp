@@ -17,17 +17,18 @@ float to_nearest(float x, int n) {
          static_cast<float>(n);
 }
 
-void put_time(Sentence& out, std::int64_t at_us, std::int64_t unix_us_at_0) {
+void put_since(Sentence& out, std::int64_t ago_us, std::int64_t unix_us) {
   constexpr std::int64_t kMinute_us = 60'000'000;
   constexpr std::uint32_t kHour = 60, kDay = 24;
-  const auto minutes = static_cast<std::uint32_t>((unix_us_at_0 + at_us) / kMinute_us);
-  if (unix_us_at_0 == 0) {
-    out << "minute " << static_cast<float>(minutes);
+  if (unix_us <= 0) {
+    const std::int64_t minutes = (ago_us + kMinute_us / 2) / kMinute_us;
+    out << " for " << static_cast<float>(minutes < 1 ? 1 : minutes) << " min";
     return;
   }
+  const auto minutes = static_cast<std::uint32_t>((unix_us - ago_us) / kMinute_us);
   const std::uint32_t hour = minutes / kHour % kDay, minute = minutes % kHour;
-  out << (hour < 10 ? "0" : "") << static_cast<float>(hour) << (minute < 10 ? ":0" : ":")
-      << static_cast<float>(minute);
+  out << (hour < 10 ? " since 0" : " since ") << static_cast<float>(hour)
+      << (minute < 10 ? ":0" : ":") << static_cast<float>(minute);
 }
 
 }  // namespace
@@ -55,8 +56,8 @@ Sentence sentence_of(core::Astray astray, double off_m, double yaw_rate,
   return why;
 }
 
-Sentence sentence_of(const ModelMonitor::Finding& finding, float balance,
-                     std::int64_t unix_us_at_0) {
+Sentence sentence_of(const ModelMonitor::Finding& finding, float balance, std::int64_t now_us,
+                     std::int64_t unix_us) {
   using enum ModelMonitor::Number;
   const auto& [number, value, since_us] = finding;
   Sentence text;
@@ -69,8 +70,7 @@ Sentence sentence_of(const ModelMonitor::Finding& finding, float balance,
     text << (number == kDrag ? "Drag " : "Yaw damping ") << to_nearest(value, 10) << " x "
          << (number == kDrag ? "VES_D11" : "VES_D33");
   }
-  text << " since ";
-  put_time(text, since_us, unix_us_at_0);
+  put_since(text, now_us - since_us, unix_us);
   if (number == kBalance) {
     text << ": THR_BALANCE " << to_nearest(value, 100);
   } else {

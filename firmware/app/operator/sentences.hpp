@@ -22,10 +22,10 @@ Sentence slot_needs(double needed, std::string_view limit_is, float limit);
 /// yaw_rate: its absolute value, rad/s.
 Sentence sentence_of(core::Astray astray, double off_m, double yaw_rate, const Parameters& derived);
 
-/// "Port 12 % weak since 10:31: THR_BALANCE 0.06", in UTC; or in minutes since the start if
-/// unix_us_at_0, the Unix time at which the boat's clock was 0, is 0 (unknown).
-Sentence sentence_of(const ModelMonitor::Finding& finding, float balance,
-                     std::int64_t unix_us_at_0);
+/// "Port 12 % weak since 10:31: THR_BALANCE 0.06", in UTC; or "for 7 min" if unix_us, the time of day
+/// at now_us, is 0 (unknown).
+Sentence sentence_of(const ModelMonitor::Finding& finding, float balance, std::int64_t now_us,
+                     std::int64_t unix_us);
 
 Sentence sentence_of(const VoyageNews& news);
 

@@ -177,8 +177,8 @@ template <class S>
 void Warnings<S>::tell_finding(const Seen& seen) {
   const auto finding = learnt_.take_finding();
   if (!finding) return;
-  const std::int64_t unix_us_at_0 = seen.host.unix_us > 0 ? seen.host.unix_us - seen.now_us : 0;
-  warn(sentence_of(*finding, vehicle_.parameters().THR_BALANCE, unix_us_at_0).text());
+  warn(sentence_of(*finding, vehicle_.parameters().THR_BALANCE, seen.now_us, seen.host.unix_us)
+           .text());
 }
 
 template <class S>

@@ -8,6 +8,8 @@
 #include <random>
 
 #include "app/convert/convert.hpp"
+#include "app/convert/convert_scalar.hpp"
+#include "core/scalar/overflow.hpp"
 
 namespace flotilla::app::convert {
 namespace {
@@ -401,6 +403,20 @@ TEST_CASE("any point of the local frame, told in degrees and read again, is that
     CHECK(std::abs(convert::number(back.east_m) - east) < 0.006);
     CHECK(std::abs(std::remainder(back.psi_rad - 1, 2 * kPi)) < 1e-9);
   }
+}
+
+TEST_CASE_TEMPLATE("a point farther than asked has no way to it, and overflows nothing", S, float,
+                   double, core::Q16) {
+  core::take_overflow<S>();
+  const Position here{10, -20, {600000000, 50000000, 0, 0}};
+  const auto [way, near] = way_to<S>(here, {600009000, 50000000}, 3000);  // 100.3 m north
+  CHECK(near);
+  CHECK(std::abs(number(way.x) - 90.3) < 0.1);
+  CHECK(std::abs(number(way.y) - 20) < 0.1);
+  const auto far = way_to<S>(here, {603600000, 50000000}, 3000);  // 40 km
+  CHECK_FALSE(far.near);
+  CHECK(number(far.n.x) == 0);
+  CHECK_FALSE(core::take_overflow<S>());
 }
 
 TEST_CASE_TEMPLATE("far from a common origin, a float's separation still has millimetres", S, float,

@@ -27,17 +27,18 @@ TEST_CASE("a boat out of its slot is told by distance, one that spins by its yaw
         "boat spins: 0.61 rad/s, LAW_R_MAX is 0.5");
 }
 
-TEST_CASE("a weak propeller is told with its side, its share, and the time of day or since start") {
+TEST_CASE("a weak propeller is told with its side, its share, and its time of day or duration") {
   constexpr std::int64_t kMinute_us = 60'000'000;
+  const std::int64_t now = 40 * kMinute_us;                           // the boat's clock
   const std::int64_t morning = (20'000 * 24 + 10) * 60 * kMinute_us;  // 10:00 of some day
-  const ModelMonitor::Finding port{ModelMonitor::Number::kBalance, 0.064F, 7 * kMinute_us};
-  CHECK(told(sentence_of(port, 0, morning)) == "Port 12 % weak since 10:07: THR_BALANCE 0.06");
-  CHECK(told(sentence_of(port, 0, 0)) == "Port 12 % weak since minute 7: THR_BALANCE 0.06");
-  const ModelMonitor::Finding stbd{ModelMonitor::Number::kBalance, 0, 0};
-  CHECK(told(sentence_of(stbd, 0.064F, morning)) ==
+  const ModelMonitor::Finding port{ModelMonitor::Number::kBalance, 0.064F, now - 7 * kMinute_us};
+  CHECK(told(sentence_of(port, 0, now, morning)) == "Port 12 % weak since 09:53: THR_BALANCE 0.06");
+  CHECK(told(sentence_of(port, 0, now, 0)) == "Port 12 % weak for 7 min: THR_BALANCE 0.06");
+  const ModelMonitor::Finding stbd{ModelMonitor::Number::kBalance, 0, now};
+  CHECK(told(sentence_of(stbd, 0.064F, now, morning)) ==
         "Starboard 12 % weak since 10:00: THR_BALANCE 0");
-  const ModelMonitor::Finding drag{ModelMonitor::Number::kDrag, 1.52F, 0};
-  CHECK(told(sentence_of(drag, 0, 0)) == "Drag 1.5 x VES_D11 since minute 0: identify the hull");
+  const ModelMonitor::Finding drag{ModelMonitor::Number::kDrag, 1.52F, now};
+  CHECK(told(sentence_of(drag, 0, now, 0)) == "Drag 1.5 x VES_D11 for 1 min: identify the hull");
 }
 
 TEST_CASE("a voyage's steps are told from 1, with their names") {
