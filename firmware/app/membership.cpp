@@ -20,7 +20,8 @@ FleetOrder Membership::order(core::State state, core::Conditions conditions, std
   const Configuration& configuration = vehicle_.configuration();
   const auto item = static_cast<std::uint16_t>(missions.current());
   const bool fit = (conditions & core::kLoiterBegins) == core::kLoiterBegins;
-  return fleet().step({vehicle_.self().system, state, fit, {missions.id(Stored::kPlan), item}},
+  const std::uint32_t plan_id = vehicle_.is_paused() ? 0 : missions.id(Stored::kPlan);
+  return fleet().step({vehicle_.self().system, state, fit, {plan_id, item}},
                       configuration.formation, configuration.navigation.leader_limit_us, now_us);
 }
 

@@ -181,7 +181,9 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   const bool lacks = is_newer(held.epoch, held.digest, theirs);
   if (lacks && table_us_ == kNever && now_us - passed_us_ > kPassed_us / 4) {
     const auto own = held.rank_of(system_);
-    table_us_ = now_us + kTurn_us * static_cast<std::int64_t>(own.value_or(0));
+    // Not always the same is first: the boat that asks may not hear that one.
+    table_us_ = now_us + kTurn_us * static_cast<std::int64_t>((own.value_or(0) + beacon.sequence) %
+                                                              held.count);
   }
   const auto now_rank = rank_in(ledger_.current(), from);
   if (!now_rank) return;
@@ -225,22 +227,25 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   begun_us_ = before.count > 0 ? begun_us - (begun_us - begun_us_) % kMove_us : begun_us;
   const auto peers = std::exchange(peers_, {});
   const auto heard = std::exchange(heard_, {});
-  for (std::size_t rank = 0; rank < before.count; ++rank) {
-    const auto now = ledger_.current()->rank_of(before.members[rank].system);
-    if (!now) continue;
-    peers_[*now] = peers[rank];
-    heard_[*now] = heard[rank];
+  const FleetTable& table = *ledger_.current();
+  for (std::size_t rank = 0; rank < table.count; ++rank) {
+    if (const auto was = before.rank_of(table.members[rank].system)) {
+      peers_[rank] = peers[*was];
+      heard_[rank] = heard[*was];
+    } else {  // its beacons did not count yet: it is replaced only if it stays silent
+      peers_[rank].fit = true;
+      heard_[rank].at_us = now_us;
+    }
   }
   by_parameters_ = own;
   by_hand_ = false;
-  const FleetTable& table = *ledger_.current();
   if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
     // Whom it followed may follow it now.
     hang_ = is_of(table, own.leader) ? std::optional(Hang{}) : std::nullopt;
     changed_ = true;
   }
   succession_.begin(table);
-  told_epoch_ = ledger_.current()->epoch;
+  told_epoch_ = table.epoch;
 }
 
 void Fleet::listen(std::int64_t limit_us, std::int64_t now_us) {
@@ -269,15 +274,24 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
     listen(leader_limit_us + kMore_us, now_us);
     const bool follows = core::follows(state);
     const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
+    const bool alone = core::sails_alone(state);
     order = succession_.step(*table,
                              {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_,
-                              drives, core::sails_alone(state), ordered, by_hand_},
+                              drives, alone, ordered, by_hand_, alone && state != state_},
                              std::span(peers_).first(table->count));
-    if (order == FleetOrder::kLead && !is_most(*table, *rank, peers_)) place_ = {};
+    if (succession_.leads() && order != FleetOrder::kLead) {
+      place_ = state == core::State::kAuto ? report.place : FleetPlace{};
+    }
+    const std::size_t leader = succession_.leader();
+    const bool tells_no_plan = leader < table->count && table->members[leader].only_leads;
+    const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_);
+    if (tells_no_plan || waits) place_ = {};
     next = by_hand_ ? std::nullopt : hang(*rank, now_us);
     if (next) slot_motion = this->slot_motion(*rank, now_us);
-    if (succession_.leads()) place_ = ordered ? report.place : place_;
+  } else {
+    succession_ = {};
   }
+  state_ = state;
   changed_ = changed_ || next != hang_ || slot_motion != slot_motion_;
   slot_motion_ = slot_motion;
   hang_ = next;
@@ -402,7 +416,8 @@ void Fleet::speak(const FleetReport& report, std::int64_t now_us) {
     now.plan_id = place_.plan_id;
     now.plan_item = place_.item;
   }
-  const bool urgent = now.flags != told_.flags || now.epoch != told_.epoch;
+  const bool urgent = now.flags != told_.flags || now.epoch != told_.epoch ||
+                      (now.plan_id == 0) != (told_.plan_id == 0);
   told_ = now;
   if (!urgent) return;
   beacon_us_ = now_us;

@@ -68,7 +68,7 @@ class Fleet {
   /// The shape changes: places are on their way, or boats still settle in them.
   bool moves(std::int64_t now_us) const;
 
-  /// How far the fleet's last leader was in its plan.
+  /// How far the fleet's last leader was in its plan; no plan if it sailed none, or had paused it.
   const FleetPlace& place() const { return place_; }
 
   /// Messages that are due.
@@ -136,6 +136,7 @@ class Fleet {
   bool by_hand_ = false;
   bool changed_ = false;
   FleetPlace place_;
+  core::State state_{};  // in the last step
   std::optional<Wish> wish_;
   // By rank: where the new ways begin, and the speed of the old ones, which fades out meanwhile.
   std::array<FleetSlot, FleetTable::kMost> from_cm_{};

@@ -53,21 +53,23 @@ void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
   for (std::size_t rank = 0; rank < peers.size(); ++rank) {
     if (rank == own) continue;
     const bool fit = peers[rank].heard && (peers[rank].fit || peers[rank].leads);
-    if (fit) was_fit_ |= bit(rank);
+    if (fit && peers[rank].epoch != 0) was_fit_ |= bit(rank);
     if (!fit && under_way_) out_ |= bit(rank) & was_fit_;
   }
 }
 
 void Succession::choose(const FleetTable& table, const FleetSelf& self,
                         std::span<const FleetPeer> peers) {
-  const bool can_lead = table.members[self.rank].can_lead && !self.by_hand && !stopping_;
+  const bool led = std::exchange(leads_, false), took = taking_;
+  const bool goes_on = led && self.alone;  // another slot would not change its way
+  const bool can_lead =
+      table.members[self.rank].can_lead && (!self.by_hand || goes_on) && !stopping_;
   const std::size_t other = best_leader(table, self, peers);
   const bool has_epoch = other != kNobody && !table.members[other].only_leads;
   const bool older = has_epoch && peers[other].epoch < self.epoch;
   const bool newer = has_epoch && peers[other].epoch > self.epoch;
   const bool yields = newer || (other < self.rank && !older);
-  const bool led = std::exchange(leads_, false);
-  if (led && yields) yielding_ = true;
+  yielding_ = (yielding_ && !self.begun) || (led && yields);
   if (taking_) {
     taking_ = self.fit && !self.alone;
     leads_ = taking_ || self.alone;
@@ -80,7 +82,8 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   leads_ = leads_ && can_lead && !yields;
   taking_ = taking_ && leads_;
   leader_ = leads_ ? self.rank : other;
-  under_way_ = self.drives && (under_way_ || leader_ != kNobody);
+  const bool resigns = led && !took && !self.alone;
+  under_way_ = self.drives && ((under_way_ && !resigns) || leader_ != kNobody);
 }
 
 /// No member with a higher rank is known to be fit to lead.

@@ -13,10 +13,10 @@ namespace flotilla::app {
 
 /// A member as this boat knows it now.
 struct FleetPeer {
-  bool heard = false;  ///< not silent
-  bool fit = false;    ///< follows in its slot, or could take over; as it said last
-  bool leads = false;  ///< as it said last
-  std::uint16_t epoch = 0;
+  bool heard = false;       ///< not silent
+  bool fit = false;         ///< follows in its slot, or could take over; as it said last
+  bool leads = false;       ///< as it said last
+  std::uint16_t epoch = 0;  ///< 0: it has said nothing yet, and may be fit
 };
 
 /// This boat.
@@ -28,6 +28,7 @@ struct FleetSelf {
   bool alone = false;       ///< a mode without a leader
   bool ordered = false;     ///< AUTO or GUIDED, which only an operator or this class begins
   bool by_hand = false;     ///< an operator has set its leader or slot since the table came
+  bool begun = false;       ///< it is alone, in another mode than in the last step
 };
 
 /// The rule's request to the boat's supervisor; repeated in each step until it is done.
@@ -41,7 +42,8 @@ enum class FleetOrder : std::uint8_t {
 /// Of those that say they lead, the one with the higher epoch, then rank, is the leader; the other
 /// ones yield. If none is left, the first fit member that can lead takes over. The fleet is under
 /// way, and members are replaced, only after somebody has led it; for a boat that has stopped since,
-/// only after somebody leads it again. Who has failed stays out of the tree, its followers hang on
+/// or was told to follow instead of leading, only after somebody leads it again. A mode that an
+/// operator sets is left to nobody. Who has failed stays out of the tree, its followers hang on
 /// its own leader, until the next table; but it may follow.
 class Succession {
  public:

@@ -23,6 +23,9 @@ struct Boat {
   std::int64_t clock_us = 0;  ///< its own clock's zero
   float most_mps = 1.5F;
   bool on = true;
+  bool may_follow = true;  ///< FORMATION is granted
+  std::uint8_t hears = 0;  ///< only that system; 0: all
+  FleetPlace place{77, 3};
   std::size_t bytes = 0;
   int stops = 0;
 
@@ -54,7 +57,8 @@ struct Harbour {
   void spread(std::size_t from, const link::Message& message, std::size_t bytes) {
     boats[from].bytes += bytes;
     for (std::size_t to = 0; to < boats.size(); ++to) {
-      if (to != from && boats[to].on) hear(to, message, {boats[from].system, 1});
+      const bool hears = boats[to].hears == 0 || boats[to].hears == boats[from].system;
+      if (to != from && boats[to].on && hears) hear(to, message, {boats[from].system, 1});
     }
   }
 
@@ -70,13 +74,14 @@ struct Harbour {
           const FleetOutlook outlook{.at = {{{0.6F, 0.0F, 0.0F}}}, .most_mps = boat.most_mps};
           boat.fleet.give_places(outlook, clock_us);
         }
-        const FleetReport report{boat.system, boat.state, true, {77, 3}};
+        const FleetReport report{boat.system, boat.state, true, boat.place};
         boat.order = boat.fleet.step(report, boat.own, kSecond_us, clock_us);
         const bool planned = boat.fleet.place().plan_id != 0;
         if (boat.order == FleetOrder::kLead) {
           boat.state = planned ? core::State::kAuto : core::State::kLoiter;
         }
-        if (boat.order == FleetOrder::kFollow) boat.state = core::State::kFormation;
+        const bool joins = boat.order == FleetOrder::kFollow && boat.may_follow;
+        if (joins) boat.state = core::State::kFormation;
         if (boat.order == FleetOrder::kStop) {
           boat.state = core::State::kHold;
           boat.fleet.stopped();

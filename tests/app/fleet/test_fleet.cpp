@@ -83,6 +83,17 @@ TEST_CASE("a boat that was away while the table changed gets it within three sec
   CHECK(harbour.applied(3).FORM_OFS_E == 8);
 }
 
+TEST_CASE("a boat that all hear, but that hears only one of them, gets the newest table too") {
+  Harbour harbour = under_way();
+  harbour.boats[3].on = false;
+  harbour.hear(0, message_of(table_of_four(2), 0), kOperator);
+  harbour.sail(5);
+  harbour.boats[3].on = true;
+  harbour.boats[3].hears = 3;
+  harbour.sail(10);
+  CHECK(harbour.boats[3].fleet.take_epoch() == 2);
+}
+
 TEST_CASE("a boat that restarts without a table asks for it") {
   Harbour harbour;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);

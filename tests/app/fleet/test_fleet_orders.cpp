@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// What an operator orders stays ordered: the rule of succession neither undoes nor outlives it.
+#include <doctest/doctest.h>
+
+#include <initializer_list>
+
+#include "app/fleet/harbour.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using core::State;
+using testing::Harbour;
+using testing::kOperator;
+using testing::table_of_four;
+using testing::under_way;
+
+TEST_CASE("whoever takes over from a leader that sails no plan waits: it starts none") {
+  for (const State state : {State::kGuided, State::kLoiter, State::kReturn}) {
+    CAPTURE(static_cast<int>(state));
+    Harbour harbour = under_way();
+    harbour.boats[0].state = state;
+    harbour.sail(0.5);  // sooner than a beacon that repeats old news
+    harbour.boats[0].on = false;
+    harbour.sail(2);
+    CHECK(harbour.boats[1].fleet.place().plan_id == 0);
+    CHECK(harbour.boats[1].state == State::kLoiter);
+  }
+}
+
+TEST_CASE("whoever takes over from a leader that paused its plan waits") {
+  Harbour harbour = under_way();
+  harbour.boats[0].place = {0, 3};
+  harbour.sail(0.5);
+  harbour.boats[0].on = false;
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == State::kLoiter);
+}
+
+TEST_CASE("a plan that the fleet once sailed is not taken up after a root without a plan") {
+  Harbour harbour = under_way();
+  harbour.boats[0].state = State::kHold;
+  FleetTable tablet = table_of_four(2);
+  tablet.members[0].system = 50;
+  tablet.members[0].only_leads = true;
+  tablet.members[1].leader = tablet.members[3].leader = 50;
+  harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
+  for (int tenth = 0; tenth < 50; ++tenth) {
+    for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {50, 1});
+    harbour.sail(0.1);
+  }
+  CHECK(harbour.leader_of(1) == 50);
+  harbour.sail(3);
+  CHECK(harbour.boats[1].state == State::kLoiter);
+}
+
+TEST_CASE("another slot for the boat that leads does not end its lead") {
+  Harbour harbour = under_way();
+  harbour.boats[0].own.north_m = 9;
+  harbour.sail(5);
+  CHECK(harbour.boats[0].state == State::kAuto);
+  CHECK(harbour.boats[0].fleet.place().plan_id == 77);
+  CHECK(harbour.boats[1].state == State::kFormation);
+  CHECK(harbour.leader_of(1) == 1);
+}
+
+TEST_CASE("a boat that yields, but cannot follow yet, keeps the mode that its operator gives it") {
+  for (const State state : {State::kReturn, State::kLoiter, State::kGuided}) {
+    CAPTURE(static_cast<int>(state));
+    Harbour harbour = under_way();
+    harbour.boats[0].on = false;
+    harbour.sail(3);
+    REQUIRE(harbour.boats[1].state == State::kAuto);
+    harbour.boats[1].may_follow = false;
+    harbour.boats[0].on = true;
+    harbour.sail(0.5);
+    CHECK(harbour.boats[1].order == FleetOrder::kFollow);
+    harbour.boats[1].state = state;
+    harbour.sail(0.5);
+    harbour.boats[1].may_follow = true;
+    harbour.sail(5);
+    CHECK(harbour.boats[1].state == state);
+    CHECK(harbour.boats[0].state == State::kAuto);
+  }
+}
+
+TEST_CASE("a boat that yields follows as soon as it can") {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  harbour.boats[1].may_follow = false;
+  harbour.boats[0].on = true;
+  harbour.sail(5);
+  CHECK(harbour.boats[1].state == State::kAuto);
+  harbour.boats[1].may_follow = true;
+  harbour.sail(0.1);
+  CHECK(harbour.boats[1].state == State::kFormation);
+}
+
+TEST_CASE("a root that was no member before is replaced only if it stays silent") {
+  for (const bool speaks : {true, false}) {
+    CAPTURE(speaks);
+    Harbour harbour = under_way();
+    harbour.boats.emplace_back();
+    harbour.boats[4].system = 9;
+    harbour.boats[4].state = State::kAuto;
+    FleetTable next = table_of_four(2);
+    next.members[0].system = 9;
+    next.members[1].leader = next.members[3].leader = 9;
+    next = table_of(message_of(next, 0));
+    harbour.boats[4].on = speaks;
+    harbour.hear(4, message_of(next, 1000), kOperator);
+    for (std::size_t i = 0; i < 4; ++i) harbour.hear(i, message_of(next, 1000), kOperator);
+    harbour.boats[0].on = false;
+    for (int tick = 0; tick < 200; ++tick) {
+      harbour.sail(0.01);
+      if (speaks) CHECK(harbour.boats[1].state == State::kFormation);
+    }
+    harbour.sail(1.5);
+    CHECK(harbour.boats[1].state == (speaks ? State::kFormation : State::kAuto));
+  }
+}
+
+TEST_CASE("a leader that its operator lets follow somebody else does not take over again") {
+  Harbour harbour = under_way();
+  harbour.boats[0].state = State::kFormation;
+  harbour.sail(5);
+  CHECK(harbour.boats[0].state == State::kFormation);
+  CHECK(harbour.boats[1].state == State::kFormation);
+  CHECK(harbour.leader_of(1) == 1);
+}
+
+TEST_CASE("a boat that was left out of a table takes nothing over when it comes back") {
+  Harbour harbour = under_way();
+  FleetTable two = table_of_four(2);
+  two.count = 2;
+  for (std::size_t i = 0; i < 4; ++i) harbour.hear(i, message_of(two, 0), kOperator);
+  harbour.sail(2);
+  for (testing::Boat& boat : harbour.boats) boat.state = State::kHold;
+  harbour.sail(2);
+  harbour.boats[2].state = State::kFormation;
+  for (std::size_t i = 0; i < 4; ++i) {
+    harbour.hear(i, message_of(table_of_four(3), 0), kOperator);
+  }
+  harbour.sail(5);
+  CHECK(harbour.boats[2].state == State::kFormation);
+}
+
+}  // namespace
+}  // namespace flotilla::app
