@@ -55,6 +55,7 @@ BAD = {
     "five jumps": ([at(5, 0), at(9, 0), *[bare(JUMP, 0.0, 1.0)] * 5], 6, 4),
     "a delay without end": ([at(5, 0), bare(CONDITION_DELAY, 1e9)], 1, PARAM1),
     "home nowhere": ([at(5, 0), bare(SET_HOME)._replace(x=10**9, frame=6)], 1, 10),
+    "home too far": ([at(5, 0), at(2100, 0)._replace(command=SET_HOME)], 1, 10),
     "home before a waypoint": ([bare(SET_HOME, 1.0), at(5, 0)], 0, 5),
     "the way home alone": ([bare(RETURN)], 0, 5),
 }
@@ -131,6 +132,32 @@ def test_condition_delay_waits() -> None:
     assert place(sea) == pytest.approx((4, 0), abs=0.1)
     sea.run(25.0)
     assert place(sea) == pytest.approx((8, 0), abs=0.1)
+
+
+ROUND = [at(8, 0), at(8, 8), at(0, 8), bare(JUMP, 1.0, 1.0), at(-9, 8)]
+
+
+@pytest.mark.parametrize(
+    ("plan", "waits_at"),
+    [
+        ([turns(9, 0, 1.0, 5.0), bare(CONDITION_DELAY, 25.0), at(-9, 0)], None),
+        ([at(4, 0), bare(CONDITION_DELAY, 25.0), *ROUND], (0, 8)),
+    ],
+    ids=["behind a circle", "where a jump leads"],
+)
+def test_a_delay_is_kept(plan: list[Item], waits_at: tuple[float, float] | None) -> None:
+    sea = sailing(plan)
+    rests: list[tuple[float, float]] = []
+    for _ in range(1000):
+        sea.run(0.2)
+        if math.hypot(*sea.hull.q[3:5]) < 0.05:
+            rests.append(place(sea))
+    assert progress(sea)[2] == COMPLETE
+    if waits_at is None:
+        near = [p for p in rests if 4.0 < math.dist(p, (9, 0)) < 6.0]
+    else:
+        near = [p for p in rests if math.dist(p, waits_at) < 0.3]
+    assert len(near) > 100
 
 
 def test_the_leg_back_of_a_jump_and_a_whole_circle_keep_the_fence() -> None:

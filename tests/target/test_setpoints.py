@@ -65,6 +65,28 @@ def test_a_script_moves_the_place_in_each_frame() -> None:
     assert place(sea) == pytest.approx((0, 0), abs=0.05) and sea.state == "GUIDED"
 
 
+def test_a_place_that_a_script_repeats_is_sailed_to_as_one_sent_once() -> None:
+    sea = waiting()
+    for _ in range(500):
+        sea.say(local(NED, place_m=(5.0, 3.0)))
+        sea.run(0.1)
+    assert place(sea) == pytest.approx((5, 3), abs=0.05)
+    sea.say(local(NED, place_m=(0.0, 3.0)))
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((0, 3), abs=0.05)
+
+
+@pytest.mark.parametrize("scalar", ["float", "q16"])
+def test_a_yaw_rate_beyond_any_boats_is_turned_as_fast_as_the_boat_may(scalar: str) -> None:
+    sea = at_sea([], scalar=scalar)
+    sea.mode(GUIDED)
+    sea.run(1.0)
+    for _ in range(30):
+        sea.say(local(BODY_NED, velocity_mps=(0.2, 0.0), yaw_rate_radps=1e5))
+        sea.run(0.2)
+    assert sea.state == "GUIDED" and 0.1 < sea.hull.seen.r < 0.9
+
+
 def test_a_boat_sails_to_a_new_target_after_another_mode_ended_a_drive() -> None:
     sea = waiting()
     for _ in range(10):

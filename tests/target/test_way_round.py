@@ -145,6 +145,16 @@ def test_without_a_way_back_the_boat_waits_and_says_so() -> None:
     assert place(sea) == pytest.approx((20, 0), abs=0.1)
 
 
+def test_rtl_from_outside_the_fence_sails_home() -> None:
+    sea = away((20, 0))
+    ring = corners(KEEP_IN, [(-5, -9), (-5, 9), (15, 9), (15, -9)])
+    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.run(70.0)
+    assert sea.state == "RTL" and NO_WAY not in words(sea), words(sea)
+    assert place(sea) == pytest.approx((0, 0), abs=0.3)
+
+
 def test_under_way_home_a_boat_judges_its_way_again() -> None:
     """The fence is on only when the boat is under way: its straight leg leads through a wall."""
     sea = away((20, 0))

@@ -15,7 +15,9 @@ void Errands::sail_to(const Target& target) {
 
 void Errands::sail_round(const Fence& fence, const convert::Position& here, const Target& target,
                          const Target& meanwhile, float margin_m) {
-  const bool straight = !fence.is_on() || fence.refusal_of(here, target.place, 0).empty();
+  const auto from = fence.on_map(here);
+  const bool outside = from && !(Fence::Length(0) < fence.clearance(*from));  // any way leads back
+  const bool straight = outside || fence.refusal_of(here, target.place, 0).empty();
   sail_to(straight ? target : meanwhile);
   if (straight) return;
   way_round_.begin(fence, here, target, margin_m);

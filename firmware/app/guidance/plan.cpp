@@ -194,7 +194,8 @@ PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
   if (!fault && needs_place && std::ranges::none_of(plan, leads_somewhere)) {
     return {mav::kMissionInvalid, "needs a waypoint before it"};
   }
-  if (fault || !leads_somewhere(last)) return fault;
+  const bool sets_home = last.command == mav::kDoSetHome && !sets_home_here(last);
+  if (fault || !(leads_somewhere(last) || sets_home)) return fault;
   return fault_of_reach(*std::ranges::find_if(plan, leads_somewhere), last);
 }
 
@@ -291,13 +292,12 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
     const bool returns = item.command == mav::kNavReturn;
     if (point && (leads_somewhere(item) || (returns && home_))) return point;
     if (turns(item)) {
-      const PlanPoint corner = on_circle(item);
-      if (static_cast<float>(octants_) > 8 * or_zero(item.param[0])) {
-        octants_ = 0;
-        ++at_;
-      }
-      last_ = corner.place;
-      return corner;
+      point = on_circle(item);
+      last_ = point->place;
+      if (!(static_cast<float>(octants_) > 8 * or_zero(item.param[0]))) return point;
+      octants_ = 0;
+      ++at_;
+      continue;
     }
     if (leads_somewhere(item)) point = point_of(item, {item.x, item.y});
     if (returns && home_) point = point_of(item, *home_);
@@ -309,7 +309,6 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
     note(item);
     if (item.command == mav::kDoJump && takes_jump(item)) {
       at_ = jump_of(item, defaults_);
-      if (point) return point;
       continue;
     }
     ++at_;

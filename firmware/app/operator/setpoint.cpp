@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/operator/setpoint.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/convert/portable.hpp"
@@ -34,7 +35,9 @@ Setpoint velocity_of(const Wish& wish) {
   if (turns && !std::isfinite(wish.yaw_rate)) return {.why = "yaw rate is not finite"};
   if (!wish.in_body && turns) return {.why = "yaw rate only in body frames"};
   if (wish.in_body && (wish.vx < 0 || wish.vy != 0)) return {.why = "body velocity must be ahead"};
-  core::Drive<double> drive{wish.vx, turns ? wish.yaw_rate : 0.0, {}};
+  constexpr double kFastest_radps = 4;  // of any boat; the range of core/drive.hpp
+  const double r = std::clamp(wish.yaw_rate, -kFastest_radps, kFastest_radps);
+  core::Drive<double> drive{wish.vx, turns ? r : 0.0, {}};
   if (!wish.in_body) {
     drive.u = portable::hypot(wish.vx, wish.vy);
     if (drive.u > 0) drive.course = portable::atan2(wish.vy, wish.vx);

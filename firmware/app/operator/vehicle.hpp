@@ -121,7 +121,7 @@ class Vehicle {
   const MissionService& missions() const { return missions_; }
   LogService& logs() { return logs_; }
   /// A target that GUIDED has not begun to sail to yet.
-  bool has_target() const { return target_.has_value(); }
+  const std::optional<Target>& target() const { return target_; }
   std::optional<Target> take_target() { return std::exchange(target_, std::nullopt); }
   /// Velocities that a script has set for GUIDED, until it was silent for three seconds.
   std::optional<core::Drive<double>> drive(std::int64_t now_us) const;
