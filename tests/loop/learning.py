@@ -124,7 +124,7 @@ def learnt(
         for run, member in enumerate(members):
             for agent in range(1, batch.boats + 1):
                 sent = batch.fleet.sent(batch.row(run, agent))
-                if b" since " in sent or b"LRN_" in sent:
+                if b" min: " in sent or b"LRN_" in sent:
                     _hear(out[member], agent, minute, sent, mav)
 
     for one, run in zip(out, sail(chosen, parameters or {}, keep_s=0.1, watch=watch), strict=True):
@@ -145,7 +145,7 @@ def _hear(one: Learnt, agent: int, minute: float, sent: bytes, mav: mavlink.MAVL
             text = mav.decode(bytearray(frame)).text
             number = next((own for word, own in _WORDS.items() if word in text), None)
             texts = one.texts.setdefault(agent, [])
-            if number is None or " since " not in text:
+            if number is None or " min: " not in text:
                 continue
             if not texts or texts[-1].text != text:
                 texts.append(Told(minute, number, text))
