@@ -33,7 +33,8 @@ def test_no_two_boats_come_near(healed: Healed) -> None:
 
 
 def test_all_are_in_their_slots_after_a_minute(healed: Healed) -> None:
-    assert healed.slots_s <= 60.0 and healed.off_m <= 0.2
+    # later, in the plan's corners, a boat may be off by as much as FLEET.md says
+    assert healed.slots_s <= 60.0 and healed.off_m <= 0.42
 
 
 def test_boats_coast_shortly_behind_new_leaders() -> None:

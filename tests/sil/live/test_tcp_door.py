@@ -62,7 +62,7 @@ class Berth:
         return client
 
     def until(self, done: Callable[[], object]) -> None:
-        end_s = time.monotonic() + 10.0
+        end_s = time.monotonic() + 60.0  # beside a build
         while not done():
             assert time.monotonic() < end_s
             select.select(self.door.descriptors(), [], [], 0.05)
@@ -114,9 +114,8 @@ def test_two_clients_hear_the_boat_and_each_is_heard(berth: Berth) -> None:
 
 def test_a_client_that_leaves_or_reads_nothing_stops_nobody(berth: Berth) -> None:
     said = frames(1)[0]
-    with berth.client() as listener:
+    with berth.client() as listener, berth.client():  # the second one reads nothing
         berth.client().close()
-        deaf = berth.client()
         got = b""
 
         def heard() -> bool:
@@ -129,7 +128,6 @@ def test_a_client_that_leaves_or_reads_nothing_stops_nobody(berth: Berth) -> Non
 
         berth.until(heard)
         assert got.replace(said, b"") == b""
-        deaf.close()
 
 
 def test_a_taken_port_gives_the_next_free_one(berth: Berth) -> None:
