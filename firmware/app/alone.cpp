@@ -50,11 +50,11 @@ void Alone<S>::start_plan() {
 template <class S>
 void Alone<S>::start_errand(const Now& now) {
   voyage_.interrupt();
-  asked_ = vehicle_.take_target();
+  const std::optional<Target> asked = vehicle_.take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
   if (now.state == core::State::kReturn) return sail_back(here);
-  errands_.sail_to(now.state == core::State::kGuided && asked_ ? *asked_ : here);
+  errands_.sail_to(now.state == core::State::kGuided && asked ? *asked : here);
   sail_errand();
 }
 
@@ -121,9 +121,10 @@ void Alone<S>::tell_way() {
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
   const auto drive = vehicle_.drive(now.now_us);
+  const std::optional<Target>& target = vehicle_.target();
   // A target that is only repeated must not make the vessel that the boat follows start anew.
-  if (!driven_ && vehicle_.target() == asked_) vehicle_.take_target();
-  if (vehicle_.target() || (driven_ && !drive)) start_errand(now);
+  if (target && !driven_ && errands_.leads_to(*target)) vehicle_.take_target();
+  if (target || (driven_ && !drive)) start_errand(now);
   driven_ = drive.has_value();
   if (!drive) keep_fence(now);
   const bool paused = vehicle_.is_paused();

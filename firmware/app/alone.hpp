@@ -74,7 +74,6 @@ class Alone {
 
   Errands errands_;                       // of GUIDED, LOITER, RTL
   bool driven_ = false;                   // by velocities, in GUIDED
-  std::optional<Target> asked_;           // of the errand
   VoyagePilot<S> voyage_;                 // of AUTO
   std::optional<std::uint16_t> reached_;  // item of the plan
   Schedule way_due_{100'000};

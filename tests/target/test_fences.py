@@ -278,6 +278,7 @@ GOOD = [
     [circle(0, 0, 1), circle(0, 0, 2000)],
     [*corners(KEEP_IN, TRIANGLE), *corners(KEEP_IN, TRIANGLE)],
     corners(KEEP_IN, [(0, 0), (0, 30), (10, 10), (30, 0)]),  # concave
+    [circle(0, 0, 5), *corners(KEEP_IN, [(-1500, 9), (1500, 9), (1500, -9), (-1500, -9)])],
     [circle(0, 0, 5)._replace(params=(5.0, math.nan, math.nan, math.nan))],
 ]
 BAD: list[tuple[list[Item], int, int]] = [

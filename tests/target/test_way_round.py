@@ -194,6 +194,23 @@ def test_under_way_a_boat_that_has_no_way_any_more_waits(state: str) -> None:
     assert place(sea) == pytest.approx(waits, abs=0.1)
 
 
+def test_a_boat_that_waits_sets_out_again_when_its_target_is_repeated() -> None:
+    sea = away((20, 0))
+    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
+    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
+    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
+    sea.order(FENCE_ENABLE, 0.0)
+    go_to(sea, 0, 0)
+    set_out(sea)
+    sea.order(FENCE_ENABLE, 1.0)
+    sea.run(30.0)
+    assert NO_WAY in words(sea) and place(sea)[0] > 12.5
+    sea.order(FENCE_ENABLE, 0.0)
+    go_to(sea, 0, 0)
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.3)
+
+
 def test_a_boat_that_is_on_its_way_to_a_target_sails_round_as_well() -> None:
     sea = away((20, 0))
     assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED

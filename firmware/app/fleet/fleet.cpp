@@ -232,7 +232,8 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
     if (const auto was = before.rank_of(table.members[rank].system)) {
       peers_[rank] = peers[*was];
       heard_[rank] = heard[*was];
-    } else {  // its beacons did not count yet: it is replaced only if it stays silent
+    } else if (!table.members[rank].only_leads) {
+      // Its beacons did not count yet: it is replaced only if it stays silent.
       peers_[rank].fit = true;
       heard_[rank].at_us = now_us;
     }

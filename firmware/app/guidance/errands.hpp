@@ -26,6 +26,8 @@ class Errands {
   Plan plan() const { return errand_.plan(); }
   /// The end of plan().
   Target goal() const { return errand_.target(); }
+  /// False while the boat waits for a way round to the target.
+  bool leads_to(const Target& target) const;
 
   /// A sentence about the search for the operator, once; empty: none.
   std::string_view take_news() { return std::exchange(news_, {}); }

@@ -79,7 +79,7 @@ constexpr PlanFault kCrossing{mav::kMissionInvalid, "the polygon crosses itself"
 PlanFault fault_of_edges(Plan corners) {
   const convert::Position from{0, 0, {corners[0].x, corners[0].y, 0, 0}};
   const auto place = [&](std::size_t i) {
-    return convert::way_to<Q16>(from, {corners[i].x, corners[i].y}, kPlanReach_m).n;
+    return convert::way_to<Q16>(from, {corners[i].x, corners[i].y}, 2 * kPlanReach_m).n;
   };
   const std::size_t last = corners.size() - 1;
   if (last == 0) return {};

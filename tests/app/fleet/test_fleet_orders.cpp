@@ -54,6 +54,21 @@ TEST_CASE("a plan that the fleet once sailed is not taken up after a root withou
   CHECK(harbour.boats[1].state == State::kLoiter);
 }
 
+TEST_CASE("a boat does not yield to a root without beacons that was never heard") {
+  Harbour harbour = under_way();
+  FleetTable tablet = table_of_four(2);
+  for (std::size_t i = 3; i > 0; --i) tablet.members[i].system = tablet.members[i - 1].system;
+  tablet.members[0].system = 50;
+  tablet.members[0].only_leads = true;
+  for (std::size_t i = 1; i < 4; ++i) tablet.members[i].leader = tablet.members[i - 1].system;
+  tablet = table_of(message_of(tablet, 0));
+  for (std::size_t i = 0; i < 4; ++i) harbour.hear(i, message_of(tablet, 0), kOperator);
+  for (int tick = 0; tick < 300; ++tick) {
+    harbour.sail(0.01);
+    CHECK(harbour.boats[0].state == State::kAuto);
+  }
+}
+
 TEST_CASE("another slot for the boat that leads does not end its lead") {
   Harbour harbour = under_way();
   harbour.boats[0].own.north_m = 9;
@@ -64,17 +79,23 @@ TEST_CASE("another slot for the boat that leads does not end its lead") {
   CHECK(harbour.leader_of(1) == 1);
 }
 
+/// Boat 2 has taken over, is to yield to boat 1, which is back, and cannot follow yet.
+Harbour yielding() {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  REQUIRE(harbour.boats[1].state == State::kAuto);
+  harbour.boats[1].may_follow = false;
+  harbour.boats[0].on = true;
+  harbour.sail(0.5);
+  CHECK(harbour.boats[1].order == FleetOrder::kFollow);
+  return harbour;
+}
+
 TEST_CASE("a boat that yields, but cannot follow yet, keeps the mode that its operator gives it") {
   for (const State state : {State::kReturn, State::kLoiter, State::kGuided}) {
     CAPTURE(static_cast<int>(state));
-    Harbour harbour = under_way();
-    harbour.boats[0].on = false;
-    harbour.sail(3);
-    REQUIRE(harbour.boats[1].state == State::kAuto);
-    harbour.boats[1].may_follow = false;
-    harbour.boats[0].on = true;
-    harbour.sail(0.5);
-    CHECK(harbour.boats[1].order == FleetOrder::kFollow);
+    Harbour harbour = yielding();
     harbour.boats[1].state = state;
     harbour.sail(0.5);
     harbour.boats[1].may_follow = true;
@@ -85,11 +106,7 @@ TEST_CASE("a boat that yields, but cannot follow yet, keeps the mode that its op
 }
 
 TEST_CASE("a boat that yields follows as soon as it can") {
-  Harbour harbour = under_way();
-  harbour.boats[0].on = false;
-  harbour.sail(3);
-  harbour.boats[1].may_follow = false;
-  harbour.boats[0].on = true;
+  Harbour harbour = yielding();
   harbour.sail(5);
   CHECK(harbour.boats[1].state == State::kAuto);
   harbour.boats[1].may_follow = true;
