@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 
 from sil.lockstep.world import sail as sail_runs
-from tests.loop.succession import KINDS, Healed, Observer, sail, scenarios_of
+from tests.loop.succession import KINDS, NOTHING, Healed, Observer, sail, scenarios_of
+
+AT_S = [41.3]
 
 
 @pytest.fixture(scope="module", params=KINDS)
 def healed(request: pytest.FixtureRequest) -> Healed:
-    (it,) = sail(request.param, [41.3])
+    (it,) = sail(request.param, AT_S)
+    return it
+
+
+@pytest.fixture(scope="module")
+def undisturbed() -> Healed:
+    (it,) = sail(NOTHING, AT_S)
     return it
 
 
@@ -32,9 +40,10 @@ def test_no_two_boats_come_near(healed: Healed) -> None:
     assert healed.nearest_m >= 0.8 * 1.44  # of FS_SEP_M
 
 
-def test_all_are_in_their_slots_after_a_minute(healed: Healed) -> None:
-    # later, in the plan's corners, a boat may be off by as much as FLEET.md says
-    assert healed.slots_s <= 60.0 and healed.off_m <= 0.42
+def test_all_are_in_their_slots_after_a_minute(healed: Healed, undisturbed: Healed) -> None:
+    assert healed.slots_s <= 60.0
+    # later, in the plan's corners, no farther off than a fleet that has lost nothing
+    assert healed.off_m <= max(0.2, undisturbed.off_m)
 
 
 def test_boats_coast_shortly_behind_new_leaders() -> None:
