@@ -20,7 +20,7 @@ from sil.cli.main import main
 from sil.live.live_world import build
 from tests.linux.process import free_port
 from tests.live_buses import live_buses
-from tests.punctual import sail_punctually
+from tests.punctual import sail_punctually, world_late_s
 
 _PATIENCE_S = 120.0
 DURATION_S = 12
@@ -95,14 +95,16 @@ def test_boats_are_seen_where_the_run_says_that_they_were(
 ) -> None:
     frames, out = seen
     with np.load(out / "trace.npz") as trace:
-        eta = trace["eta"]
+        eta, fastest_mps = trace["eta"], np.hypot(*trace["nu"][..., :2].T).max()
+    # a boat extrapolates its motion while the simulation is late
+    most_m = 0.05 + fastest_mps * world_late_s(out)
     paths = {agent: eta[:, agent, :2] for agent in range(1, 5)}
     moved = 0
     for frame in frames:
         for vessel in frame["vessels"]:
             if vessel["id"] in paths and vessel["x_m"] is not None:
                 away = paths[vessel["id"]] - (vessel["x_m"], vessel["y_m"])
-                assert np.hypot(*away.T).min() < 0.05, vessel
+                assert np.hypot(*away.T).min() < most_m, vessel
                 moved += hypot(*(paths[vessel["id"]][0] - (vessel["x_m"], vessel["y_m"]))) > 1.0
     assert moved > 40
 
