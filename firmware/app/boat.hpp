@@ -78,7 +78,7 @@ class Boat {
   }
   void set_policy(std::size_t link, SigningPolicy policy) { links_.set_policy(link, policy); }
 
-  /// The host stores this at least once a minute and passes it to secure() after a restart.
+  /// The host stores this every few seconds and passes it to secure() after a restart.
   std::uint64_t signing_timestamp() const { return links_.signing().timestamp(); }
 
   /// Limits telemetry on that link; 0: no limit.
