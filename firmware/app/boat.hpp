@@ -108,6 +108,10 @@ class Boat {
   PlanFault restore(Stored kind, Plan items) {
     return vehicle_.missions().restore(kind, items, configuration().plan);
   }
+  /// At the start: the saved fence cannot be restored. It is lost until an operator has sent or
+  /// cleared the fence; the host reports this.
+  void lose_fence() { vehicle_.missions().lose_fence(); }
+  bool fence_is_lost() const { return vehicle_.missions().fence_is_lost(); }
 
   /// For a host that keeps logs: it opens the service once at the start, and after each tick it
   /// brings, at once or later, the list or the bytes that wish() asks for.

@@ -111,9 +111,11 @@ void Loop::restore_plans() {
     Kept& kept = kept_.emplace_back(kind, files[static_cast<std::size_t>(kind)]);
     const LoadedPlan stored = load_plan(kept.file);
     if (!stored.note.empty()) messages_.put(stored.note);
-    if (const app::PlanFault fault = boat_->restore(kind, stored.items)) {
+    const app::PlanFault fault = boat_->restore(kind, stored.items);
+    if (fault) {
       messages_.put(kept.file.filename().string() + " is not used: " + std::string(fault.why));
     }
+    if (kind == Stored::kFence && (fault || !stored.note.empty())) boat_->lose_fence();
     kept.saved = boat_->stored_id(kind);
   }
 }
@@ -253,7 +255,9 @@ void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
   boat_->on_host({.bus_up = bus_->usable(),
-                  .parameters_saved = !parameters_.must_be_confirmed(),
+                  .unsaved = parameters_.must_be_confirmed() ? app::kParametersUnsaved
+                             : boat_->fence_is_lost()        ? app::kFenceLost
+                                                             : std::string_view{},
                   .overruns = statistics_.overruns,
                   .unix_us = clock_us(CLOCK_REALTIME),
                   .save_failed = parameters_.save_failed(),

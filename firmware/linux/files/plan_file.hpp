@@ -27,7 +27,7 @@ namespace flotilla::target {
 
 struct LoadedPlan {
   std::vector<app::PlanItem> items;
-  std::string note;  ///< for the operator, or empty
+  std::string note;  ///< for the operator, if the file could not be used; or empty
 };
 
 /// Never throws for the content of the disk.

@@ -12,7 +12,7 @@ from sil.live.parameter_file import parameter_text
 from tests.linux.process import PATIENT, STORAGE, RealSea, now_us
 from tests.target.stations import ACCEPTED, ARM, command_long
 
-NOT_SAVED = "PreArm: parameters are not saved"
+NOT_SAVED = "PreArm: parameters or fence are not saved"
 
 
 def text(*lines: str, **values: float) -> str:
@@ -38,7 +38,7 @@ def test_a_boat_that_was_never_set_up_says_so_and_does_not_arm_until_saved(sea: 
     sea.set_up = False
     sea.start()
     sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
-    assert "parameters are defaults: check and save them" in sea.texts()
+    assert "parameters are default or old: check and save them" in sea.texts()
     assert f"no {sea.state_dir}/parameters.txt: never set up, or lost" in sea.process.words
     assert "ALL PARAMETERS ARE DEFAULTS" in sea.process.words
     assert not sea.armed
