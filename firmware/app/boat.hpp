@@ -78,7 +78,7 @@ class Boat {
   }
   void set_policy(std::size_t link, SigningPolicy policy) { links_.set_policy(link, policy); }
 
-  /// The host stores this at least once a minute and passes it to secure() after a restart.
+  /// The host stores this every few seconds and passes it to secure() after a restart.
   std::uint64_t signing_timestamp() const { return links_.signing().timestamp(); }
 
   /// Limits telemetry on that link; 0: no limit.
@@ -108,6 +108,10 @@ class Boat {
   PlanFault restore(Stored kind, Plan items) {
     return vehicle_.missions().restore(kind, items, configuration().plan);
   }
+  /// At the start: the saved fence cannot be restored. It is lost until an operator has sent or
+  /// cleared the fence; the host reports this.
+  void lose_fence() { vehicle_.missions().lose_fence(); }
+  bool fence_is_lost() const { return vehicle_.missions().fence_is_lost(); }
 
   /// For a host that keeps logs: it opens the service once at the start, and after each tick it
   /// brings, at once or later, the list or the bytes that wish() asks for.

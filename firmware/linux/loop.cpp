@@ -111,16 +111,18 @@ void Loop::restore_plans() {
     Kept& kept = kept_.emplace_back(kind, files[static_cast<std::size_t>(kind)]);
     const LoadedPlan stored = load_plan(kept.file);
     if (!stored.note.empty()) messages_.put(stored.note);
-    if (const app::PlanFault fault = boat_->restore(kind, stored.items)) {
+    const app::PlanFault fault = boat_->restore(kind, stored.items);
+    if (fault) {
       messages_.put(kept.file.filename().string() + " is not used: " + std::string(fault.why));
     }
+    if (kind == Stored::kFence && (fault || !stored.note.empty())) boat_->lose_fence();
     kept.saved = boat_->stored_id(kind);
   }
 }
 
 /// False: try again.
-bool Loop::keep_plans() {
-  bool all = true;
+bool Loop::keep_lists() {
+  bool all = node_table_.save(boat_->node_ids());
   for (Kept& kept : kept_) {
     const std::uint32_t id = boat_->stored_id(kept.kind);
     if (id == kept.saved) continue;
@@ -253,7 +255,9 @@ void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
   boat_->on_host({.bus_up = bus_->usable(),
-                  .parameters_saved = !parameters_.must_be_confirmed(),
+                  .unsaved = parameters_.must_be_confirmed() ? app::kParametersUnsaved
+                             : boat_->fence_is_lost()        ? app::kFenceLost
+                                                             : std::string_view{},
                   .overruns = statistics_.overruns,
                   .unix_us = clock_us(CLOCK_REALTIME),
                   .save_failed = parameters_.save_failed(),
@@ -298,15 +302,11 @@ void Loop::keep_house(std::int64_t now_us) {
           parameters_.maintain(boat_->take_save_request(), boat_->parameters(), now_us)) {
     messages_.put(*news);
   }
-  keep_plans();
+  keep_lists();
   for (Kept& kept : kept_) {
     if (const auto complaint = kept.saver.complaint()) messages_.put(*complaint);
   }
-  // Disk writes may block, so an armed boat does not start them.
-  if (core::armed(boat_->state())) return;
-  if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    messages_.put(error);
-  }
+  if (const auto complaint = node_table_.complaint()) messages_.put(*complaint);
 }
 
 void Loop::bring_logs() {
@@ -362,13 +362,10 @@ void Loop::shut_down() {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
   service_manager_.notify("STOPPING=1");
-  while (!keep_plans()) ::sched_yield();
+  while (!keep_lists()) ::sched_yield();
   for (const std::string& news :
        parameters_.finish(boat_->take_save_request(), boat_->parameters())) {
     messages_.put(news);
-  }
-  if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    messages_.put(error);
   }
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   if (config_.stats.empty()) return;

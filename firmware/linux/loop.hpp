@@ -41,7 +41,7 @@ class Loop {
  private:
   void secure();
   void restore_plans();
-  bool keep_plans();
+  bool keep_lists();
   void ask_for_real_time();
   void wait();
   void read_links(std::int64_t now_us);

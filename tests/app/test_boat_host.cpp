@@ -39,19 +39,59 @@ TEST_CASE_TEMPLATE("the bus goes down: FAULT within a tick, until it is up and a
 TEST_CASE_TEMPLATE("a boat whose parameters fell to defaults is armed by nobody before it saved", S,
                    float, double) {
   Harbour<S> h;
-  h.boat.on_host({.parameters_saved = false});
+  h.boat.on_host({.unsaved = kParametersUnsaved});
   h.step();
-  CHECK(h.says("parameters are defaults: check and save them"));
+  CHECK(h.says("parameters are default or old: check and save them"));
   h.sail(2);
   h.arm();
   h.step();
   CHECK(h.boat.state() == State::kDisarmed);
-  CHECK(h.says("PreArm: parameters are not saved"));
+  CHECK(h.says("PreArm: parameters or fence are not saved"));
   h.command(mav::kCmdPreflightStorage, 1);
   h.step();
   CHECK(h.boat.take_save_request() == SaveRequest::kConfirmed);
   CHECK(h.boat.take_save_request() == SaveRequest::kNone);
   h.boat.on_host({});
+  h.arm();
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+}
+
+TEST_CASE_TEMPLATE("a boat that lost its fence is armed by nobody before it was sent or cleared", S,
+                   float, double) {
+  Harbour<S> h;
+  const auto report = [&] {
+    h.boat.on_host({.unsaved = h.boat.fence_is_lost() ? kFenceLost : ""});
+    h.step();
+  };
+  h.boat.lose_fence();
+  report();
+  CHECK(h.says("stored fence is not usable: send or clear it"));
+  h.sail(2);
+  h.arm();
+  h.step();
+  CHECK(h.boat.state() == State::kDisarmed);
+  CHECK(h.says("PreArm: parameters or fence are not saved"));
+  const std::uint32_t lost = h.boat.stored_id(Stored::kFence);
+  constexpr auto kFence = static_cast<std::uint8_t>(Stored::kFence);
+  SUBCASE("cleared") { h.tell(h.operator_, link::MissionClearAll{{1, 1}, kFence}); }
+  SUBCASE("sent") {
+    const link::GpsGlobalOrigin here{410'000'000, 20'000'000, 0, 0};
+    h.tell(h.operator_, link::MissionCount{{1, 1}, 1, kFence, 0});
+    h.step();
+    link::MissionItemInt circle{};
+    circle.target = {1, 1};
+    circle.frame = mav::kFrameGlobal;
+    circle.command = mav::kFenceCircleInclusion;
+    circle.param[0] = 100;
+    circle.x = here.latitude;
+    circle.y = here.longitude;
+    circle.mission_type = kFence;
+    h.tell(h.operator_, circle);
+  }
+  h.step();
+  CHECK(h.boat.stored_id(Stored::kFence) != lost);  // so its host saves the new one, or none
+  report();
   h.arm();
   h.step();
   CHECK(h.boat.state() == State::kHold);

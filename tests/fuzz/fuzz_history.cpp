@@ -259,7 +259,7 @@ template <class S>
 void History<S>::host(Stream& in) {
   const std::uint8_t what = in.byte();
   host_.bus_up = (what & 1U) == 0;
-  host_.parameters_saved = (what & 2U) == 0;
+  host_.unsaved = (what & 2U) == 0 ? "" : app::kParametersUnsaved;
   host_.save_failed = (what & 4U) != 0;
   if ((what & 8U) != 0) ++host_.overruns;
   // After the year 2100 signatures' timestamps come to their end.

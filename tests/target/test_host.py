@@ -16,7 +16,10 @@ REFUSED = 1
         (
             {"parameters_saved": False},
             "parameters_saved",
-            ["PreArm: parameters are not saved", "parameters are defaults: check and save them"],
+            [
+                "PreArm: parameters or fence are not saved",
+                "parameters are default or old: check and save them",
+            ],
         ),
     ],
 )

@@ -3,13 +3,18 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace flotilla::app {
+
+constexpr std::string_view kParametersUnsaved =
+    "parameters are default or old: check and save them";
+constexpr std::string_view kFenceLost = "stored fence is not usable: send or clear it";
 
 /// State that only the host knows.
 struct HostReport {
   bool bus_up = true;             ///< the CAN interface is up and not bus-off
-  bool parameters_saved = true;   ///< false: defaults that nobody has saved
+  std::string_view unsaved{};     ///< a text above if the boat must not arm because of it
   std::uint32_t overruns = 0;     ///< ticks more than a period late, since the start
   std::int64_t unix_us = 0;       ///< present time, µs since 1970; 0: unknown
   bool save_failed = false;       ///< the last attempt to save the parameters failed

@@ -68,7 +68,7 @@ PlanFault fault_of_whole(Stored kind, Plan items) {
 
 std::uint32_t id_of(Plan plan) {
   if (plan.empty()) return 0;
-  return std::max(link::crc32(0xFFFFFFFFU, bytes_of(plan)), std::uint32_t{1});
+  return std::max(link::crc32(0xFFFFFFFFU, bytes_of(plan)), kLostId + 1);
 }
 
 }  // namespace

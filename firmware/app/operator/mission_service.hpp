@@ -19,6 +19,8 @@ namespace flotilla::app {
 /// Kinds of stored items; the values are MAV_MISSION_TYPE's.
 enum class Stored : std::uint8_t { kPlan, kFence, kRally };
 constexpr std::size_t kStoredKinds = 3;
+/// No items have this id.
+constexpr std::uint32_t kLostId = 1;
 
 /// Room for the stored items, and for an upload, which may be as long as any of them.
 struct MissionRoom {
@@ -38,12 +40,16 @@ class MissionService {
   Plan stored(Stored kind) const { return store(kind).items(); }
   Plan plan() const { return stored(Stored::kPlan); }
 
-  /// Changes with the stored items; 0: none.
+  /// Changes with the stored items; 0: none, kLostId: a lost fence.
   std::uint32_t id(Stored kind) const { return store(kind).id; }
 
   /// At the start: restores saved items, unless they are not sound. A plan that leaves the fence is
   /// restored, too, but AUTO is refused.
   PlanFault restore(Stored kind, Plan items, const PlanDefaults& defaults);
+  /// At the start: the saved fence cannot be restored. It is lost until an operator has sent or
+  /// cleared the fence.
+  void lose_fence() { store(Stored::kFence).id = kLostId; }
+  bool fence_is_lost() const { return id(Stored::kFence) == kLostId; }
 
   /// The sender, and its rights: the plan may not change while it is sailed, fence and rally points
   /// not while the law drives.

@@ -55,7 +55,7 @@ inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
     {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
     {core::kGainsFit, "a gain does not fit the hull"},
-    {core::kParametersSaved, "parameters are not saved"},
+    {core::kParametersSaved, "parameters or fence are not saved"},
     {core::kSticksFresh, "no sticks (MANUAL_CONTROL or RC)"},
     {core::kSticksCentred, "centre the sticks first"},
     {core::kTestRunning, "no motor test is running"},

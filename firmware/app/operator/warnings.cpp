@@ -33,9 +33,7 @@ void Warnings<S>::send(const Seen& seen) {
 template <class S>
 void Warnings<S>::warn_of_host(const Seen& seen) {
   const HostReport& host = seen.host;
-  if (!host.parameters_saved && unsaved_due_.take_if_due(seen.now_us)) {
-    warn("parameters are defaults: check and save them");
-  }
+  if (!host.unsaved.empty() && unsaved_due_.take_if_due(seen.now_us)) warn(host.unsaved);
   if (host.closed_links != 0 && closed_due_.take_if_due(seen.now_us)) {
     warn(link_is_closed(host.closed_links).text());
   }

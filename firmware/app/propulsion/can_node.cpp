@@ -19,6 +19,7 @@ constexpr std::int64_t kObeysAgain_us = 1'000'000;
 constexpr std::uint16_t kRunDown_ms = 500, kWindmills_ms = 5'000;
 constexpr std::uint8_t kDrives_pct = 5;
 constexpr std::int32_t kTurns_rpm = 300;
+constexpr float kDraws_A = 0.5F;
 constexpr std::uint8_t kHealthOk = 0, kOperational = 0, kFullyArmed = 255;
 
 std::uint32_t uptime_s(std::int64_t since_us, std::int64_t now_us) {
@@ -115,7 +116,10 @@ void CanNode::judge(Esc& esc, std::int64_t since_us) {
   const bool zeros = !std::exchange(esc.driven, false);
   esc.zeros_ms = zeros ? more(esc.zeros_ms) : std::uint16_t{0};
   longer(esc.drives_ms, esc.zeros_ms >= kRunDown_ms && esc.status.power_rating_pct >= kDrives_pct);
-  longer(esc.turns_ms, zeros && std::abs(esc.status.rpm) >= kTurns_rpm);
+  // NaN is unknown, and an ESC that cannot measure its current may report 0.
+  if (esc.status.current >= kDraws_A) esc.measures = true;
+  const bool draws_none = esc.measures && esc.status.current < kDraws_A;
+  longer(esc.turns_ms, zeros && !draws_none && std::abs(esc.status.rpm) >= kTurns_rpm);
   longer(esc.obeyed_ms, esc.drives_ms < kRunDown_ms && esc.turns_ms < kWindmills_ms);
 }
 

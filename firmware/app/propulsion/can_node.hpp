@@ -40,7 +40,7 @@ class CanNode {
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
 
   /// Neither ESC drives its propeller while commanded to stop, nor has within the last second. A
-  /// windmilling propeller is given time to come to rest.
+  /// windmilling propeller is given time to come to rest, or may turn on if its ESC draws no current.
   bool escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const;
 
   /// The ESC's last status; nothing after 3 s of silence.
@@ -71,11 +71,12 @@ class CanNode {
     std::int64_t claimed_us = kNever;  ///< last status from a second node
     link::EscStatus status{};
     std::uint8_t node = 0;
-    bool driven = false;  ///< commanded to turn since its last status
+    bool driven = false;    ///< commanded to turn since its last status
+    bool measures = false;  ///< has measured a current
     // Durations up to its last status, ms, at most kMinute_ms:
     std::uint16_t zeros_ms = 0;   ///< commanded to stop
     std::uint16_t drives_ms = 0;  ///< driving although commanded to stop
-    std::uint16_t turns_ms = 0;   ///< turning fast although commanded to stop
+    std::uint16_t turns_ms = 0;   ///< turning fast, and maybe driven, although commanded to stop
     std::uint16_t obeyed_ms = kMinute_ms;
   };
   /// Kept small: there are 128 of them.

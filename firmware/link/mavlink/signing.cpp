@@ -74,12 +74,10 @@ void Signing::set_clock(std::uint64_t now, bool known) {
 
 std::uint32_t Signing::clock_s() const { return static_cast<std::uint32_t>(clock_ / kSecond); }
 
-/// The oldest acceptable timestamp. A clock that is only guessed, or starts less than a day behind the
-/// stored timestamp, must not make old messages valid.
-std::uint64_t Signing::oldest() const {
-  const bool behind = stored_ > clock_ && stored_ - clock_ < kDay;
-  const std::uint64_t oldest = behind || !known_ ? stored_ : clock_;
-  return oldest - std::min(oldest, kMinute);
+/// Whether a restart may have made a sender's first message valid again. A timestamp stored a day ahead
+/// of a known clock came from a wrong clock and does not count.
+bool Signing::may_be_old(std::uint64_t timestamp) const {
+  return timestamp <= stored_ && (!known_ || stored_ < clock_ + kDay);
 }
 
 /// Whether the sender's timestamps count its messages, without a minute of silence so far.
@@ -117,7 +115,11 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
   if (known_ && timestamp > clock_ + kMinute) return kFuture;
   Stream* stream = find(from, link_id);
   if (stream != nullptr && timestamp <= stream->timestamp) return kReplayed;
-  if (timestamp < oldest() && (stream == nullptr || !drags(*stream, timestamp))) return kStale;
+  // An exempt message alone leaves its stream's timestamp at 0.
+  const bool is_first = stream == nullptr || stream->timestamp == 0;
+  if (is_first && may_be_old(timestamp)) return kStale;
+  const bool is_late = known_ && timestamp + kMinute < clock_;
+  if (is_late && (is_first || !drags(*stream, timestamp))) return kStale;
   stream = find_or_add(from, link_id);
   if (stream == nullptr) return kNoRoom;
   stream->timestamp = timestamp;

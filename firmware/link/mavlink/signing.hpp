@@ -29,7 +29,8 @@ enum class SignatureVerdict : std::uint8_t {
   kGood,
   kForged,    ///< another key, or altered data
   kReplayed,  ///< not newer than this stream's latest timestamp
-  kStale,     ///< more than a minute behind our clock, and not a lagging counter
+  kStale,     ///< more than a minute behind our clock, and not a lagging counter; or a sender's
+              ///< first, not newer than what was stored before the start
   kFuture,    ///< more than a minute ahead of our clock
   kNoRoom,    ///< a new stream, but no room for it
 };
@@ -52,18 +53,19 @@ class Signing {
   explicit Signing(std::span<Stream> room = {}, Exemption exemption = nullptr)
       : room_(room), exemption_(exemption) {}
 
-  /// Forgets all streams. clock: known, as for set_clock(); stored: an earlier run's timestamp(), or 0.
+  /// Forgets all streams. clock: known, as for set_clock(); stored: an earlier run's timestamp(), or
+  /// 0: the first message of each stream must be newer.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
 
-  /// Sets our clock. If it is known, it judges received timestamps. If it is a guess, they must not
-  /// be older than `stored` less a minute, and ours follow the newest. Sent timestamps never go
-  /// back.
+  /// Sets our clock. If it is known, it judges received timestamps. If it is a guess, ours follow the
+  /// newest of them. Sent timestamps never go back.
   void set_clock(std::uint64_t now, bool known = true);
   bool knows_clock() const { return known_; }
 
-  /// Our last sent timestamp. Store it at least once a minute for the next start.
+  /// Our last sent timestamp. Store it every few seconds for the next start: messages that came
+  /// since the last storing can be repeated after a restart.
   std::uint64_t timestamp() const { return timestamp_; }
 
   /// Verifies a whole signed MAVLink 2 frame. Only a good one changes the state.
@@ -80,7 +82,7 @@ class Signing {
  private:
   Stream* find(Address from, std::uint8_t link_id);
   Stream* find_or_add(Address from, std::uint8_t link_id);
-  std::uint64_t oldest() const;
+  bool may_be_old(std::uint64_t timestamp) const;
   bool drags(const Stream& stream, std::uint64_t timestamp) const;
   std::uint32_t clock_s() const;
 

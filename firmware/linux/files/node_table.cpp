@@ -3,12 +3,35 @@
 
 #include <array>
 #include <cstdio>
+#include <span>
 #include <sstream>
-#include <utility>
 
 #include "linux/files/durable_file.hpp"
 
 namespace flotilla::target {
+namespace {
+
+using Entry = link::NodeIdServer::Entry;
+
+constexpr std::size_t kMostEntries = 128;
+
+std::string table_text(std::span<const Entry> table) {
+  std::string text;
+  for (const Entry& entry : table) {
+    std::array<char, 4> digits{};
+    for (const std::uint8_t byte : entry.unique_id) {
+      std::snprintf(digits.data(), digits.size(), "%02x", unsigned{byte});
+      text += digits.data();
+    }
+    text += " " + std::to_string(entry.node) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+NodeTable::NodeTable(const std::filesystem::path& path, std::chrono::milliseconds every)
+    : path_(path), saver_(path, kMostEntries, table_text, every, "the node ids' saver") {}
 
 void NodeTable::load(link::NodeIdServer& server) {
   std::istringstream lines(read_file(path_).text);
@@ -16,7 +39,7 @@ void NodeTable::load(link::NodeIdServer& server) {
     std::istringstream words(line);
     std::string unique_id;
     unsigned node = 0;
-    link::NodeIdServer::Entry entry;
+    Entry entry;
     if (!(words >> unique_id >> node)) continue;
     if (unique_id.size() != 2 * entry.unique_id.size() || node > 127) continue;
     bool whole = true;
@@ -31,21 +54,12 @@ void NodeTable::load(link::NodeIdServer& server) {
   saved_ = server.table().size();
 }
 
-std::string NodeTable::save_if_changed(const link::NodeIdServer& server) {
-  if (server.table().size() == saved_) return {};
-  std::string text;
-  for (const auto& entry : server.table()) {
-    std::array<char, 4> digits{};
-    for (const std::uint8_t byte : entry.unique_id) {
-      std::snprintf(digits.data(), digits.size(), "%02x", unsigned{byte});
-      text += digits.data();
-    }
-    text += " " + std::to_string(entry.node) + "\n";
-  }
-  const auto fault = replace_file(path_, text);
-  if (!fault) saved_ = server.table().size();
-  const bool known = std::exchange(faulty_, fault.has_value());
-  return fault && !known ? *fault : std::string();
+bool NodeTable::save(const link::NodeIdServer& server) {
+  const auto table = server.table();
+  if (table.size() == saved_) return true;
+  if (!saver_.put(table)) return false;
+  saved_ = table.size();
+  return true;
 }
 
 }  // namespace flotilla::target

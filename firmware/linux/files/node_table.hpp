@@ -2,11 +2,14 @@
 // Saves the assigned node ids across restarts.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
-#include <utility>
 
 #include "link/dronecan/node_id_server.hpp"
+#include "linux/files/list_saver.hpp"
 
 namespace flotilla::target {
 
@@ -14,17 +17,23 @@ namespace flotilla::target {
 /// node missing from the table is assigned a new id.
 class NodeTable {
  public:
-  explicit NodeTable(std::filesystem::path path) : path_(std::move(path)) {}
+  /// Throws std::system_error if the saver's thread cannot be started.
+  explicit NodeTable(const std::filesystem::path& path,
+                     std::chrono::milliseconds every = std::chrono::seconds(5));
 
+  /// At the start; waits for the disk.
   void load(link::NodeIdServer& server);
 
-  /// Writes the table if it has grown, and retries after errors. Returns an error once, else "".
-  std::string save_if_changed(const link::NodeIdServer& server);
+  /// Saves the table if it has grown. Never blocks; false: try again.
+  bool save(const link::NodeIdServer& server);
+
+  /// The first error with the file, once. Writing is retried.
+  std::optional<std::string> complaint() { return saver_.complaint(); }
 
  private:
   std::filesystem::path path_;
   std::size_t saved_ = 0;
-  bool faulty_ = false;  ///< the last write failed
+  ListSaver<link::NodeIdServer::Entry> saver_;
 };
 
 }  // namespace flotilla::target

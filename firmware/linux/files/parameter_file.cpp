@@ -43,6 +43,7 @@ std::string_view next_line(std::string_view& text) {
 struct Checked {
   std::string_view lines;
   std::string fault;
+  bool is_another_format = false;
 };
 
 Checked check(std::string_view content) {
@@ -54,9 +55,8 @@ Checked check(std::string_view content) {
   }
   const std::string_view title = next_line(lines);
   if (title != kFirstLine) {
-    return {{},
-            title.starts_with(kTitle) ? "has another format (\"" + std::string(title) + "\")"
-                                      : std::string("is not a parameter file")};
+    if (!title.starts_with(kTitle)) return {{}, "is not a parameter file"};
+    return {{}, "has another format (\"" + std::string(title) + "\")", true};
   }
   return {lines, {}};
 }
@@ -122,7 +122,7 @@ void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
   }
 }
 
-enum class Found : std::uint8_t { kGood, kBad, kAbsent };
+enum class Found : std::uint8_t { kGood, kBad, kAnotherFormat, kAbsent };
 
 /// Reads one version into `loaded`; a bad one adds only its note.
 Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) {
@@ -137,7 +137,10 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
     return bad(std::string("cannot be read: ") + std::strerror(content.error));
   }
   Checked checked = check(content.text);
-  if (!checked.fault.empty()) return bad(checked.fault);
+  if (!checked.fault.empty()) {
+    bad(checked.fault);
+    return checked.is_another_format ? Found::kAnotherFormat : Found::kBad;
+  }
 
   LoadedParameters version;
   std::array<bool, app::kParameterList.size()> seen{};
@@ -181,6 +184,7 @@ LoadedParameters load_parameters(const std::filesystem::path& path) {
   if (file == Found::kAbsent) loaded.notes.push_back(path.filename().string() + " is missing");
   if (previous == Found::kGood) {
     loaded.source = ParameterSource::kPrevious;
+    if (file == Found::kAnotherFormat) loaded.must_be_confirmed = true;  // they are old
     loaded.notes.push_back("parameters loaded from " + previous_path.filename().string());
     return loaded;
   }

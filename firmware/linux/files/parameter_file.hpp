@@ -27,7 +27,7 @@ namespace flotilla::target {
 
 enum class ParameterSource : std::uint8_t {
   kFile,
-  kPrevious,    ///< the file is damaged or missing, the previous version is intact
+  kPrevious,    ///< the file cannot be used or is missing, the previous version is intact
   kDefaults,    ///< both are damaged, or one is damaged and the other absent
   kFirstStart,  ///< neither exists: a boat that was never set up, or lost its files; defaults
 };
@@ -35,8 +35,9 @@ enum class ParameterSource : std::uint8_t {
 struct LoadedParameters {
   app::Parameters values;  ///< each valid, without contradictions
   ParameterSource source = ParameterSource::kFirstStart;
-  /// Values are defaults that nobody chose: no arming until an operator has checked and saved. The
-  /// program must not save by itself before (at exit, say), or the next start would not ask again.
+  /// Values are defaults that nobody chose, or older than a file of another format: no arming
+  /// until an operator has checked and saved. The program must not save by itself before (at exit,
+  /// say), or the next start would not ask again.
   bool must_be_confirmed = false;
   std::vector<std::string> unknown;  ///< unknown lines, kept for the next save
   std::vector<std::string> notes;    ///< sentences for the operator

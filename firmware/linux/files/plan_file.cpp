@@ -6,9 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <string_view>
-#include <utility>
 
 #include "linux/files/durable_file.hpp"
 
@@ -80,35 +78,9 @@ LoadedPlan load_plan(const std::filesystem::path& path) {
   return loaded;
 }
 
-PlanSaver::PlanSaver(std::filesystem::path path, std::chrono::milliseconds every)
-    : path_(std::move(path)), writer_(every, [this] { write(); }, "a plan's saver") {
-  plan_.reserve(kMostItems);
-}
-
-bool PlanSaver::put(app::Plan plan) {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) return false;
-  plan_.assign(plan.begin(), plan.end());
-  changed_ = true;
-  return true;
-}
-
-void PlanSaver::write() {
-  try {
-    std::string text;
-    {
-      const std::scoped_lock lock(mutex_);
-      if (!std::exchange(changed_, false)) return;
-      text = plan_text(path_, plan_);
-    }
-    const auto fault = replace_file(path_, text);
-    if (!fault) return;
-    complaint_.put(*fault);
-  } catch (const std::exception& error) {  // out of memory: retried as well
-    complaint_.put(error.what());
-  }
-  const std::scoped_lock lock(mutex_);
-  changed_ = true;
-}
+PlanSaver::PlanSaver(const std::filesystem::path& path, std::chrono::milliseconds every)
+    : ListSaver(
+          path, kMostItems, [path](app::Plan plan) { return plan_text(path, plan); }, every,
+          "a plan's saver") {}
 
 }  // namespace flotilla::target

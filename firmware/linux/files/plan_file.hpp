@@ -14,20 +14,17 @@
 
 #include <chrono>
 #include <filesystem>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/guidance/plan.hpp"
-#include "linux/system/first_complaint.hpp"
-#include "linux/system/repeating_thread.hpp"
+#include "linux/files/list_saver.hpp"
 
 namespace flotilla::target {
 
 struct LoadedPlan {
   std::vector<app::PlanItem> items;
-  std::string note;  ///< for the operator, or empty
+  std::string note;  ///< for the operator, if the file could not be used; or empty
 };
 
 /// Never throws for the content of the disk.
@@ -36,28 +33,11 @@ LoadedPlan load_plan(const std::filesystem::path& path);
 /// The content of a file of that name with these items.
 std::string plan_text(const std::filesystem::path& path, app::Plan plan);
 
-/// Writes the items in its own thread, as a boat that sails must not wait for the disk.
-class PlanSaver {
+class PlanSaver : public ListSaver<app::PlanItem> {
  public:
   /// Throws std::system_error if the thread cannot be started.
-  explicit PlanSaver(std::filesystem::path path,
+  explicit PlanSaver(const std::filesystem::path& path,
                      std::chrono::milliseconds every = std::chrono::milliseconds(100));
-
-  /// The items to save from now on. Never blocks; false: try again.
-  bool put(app::Plan plan);
-
-  /// The first error with the file, once. Writing is retried.
-  std::optional<std::string> complaint() { return complaint_.take(); }
-
- private:
-  void write();
-
-  std::filesystem::path path_;
-  std::mutex mutex_;  // of the next two; never held during a write
-  std::vector<app::PlanItem> plan_;
-  bool changed_ = false;
-  FirstComplaint complaint_;
-  RepeatingThread writer_;
 };
 
 }  // namespace flotilla::target

@@ -36,7 +36,9 @@ std::vector<std::string> SavedParameters::finish(app::SaveRequest request,
   saver_.finish();
   add(outcome());
   note_changes(request, in_force);
-  if (!must_be_confirmed() || may_save()) {
+  // A file that could not be used stays, for an operator to look at, until somebody asks to save.
+  const bool is_ours = !must_be_confirmed() && loaded_.source != ParameterSource::kPrevious;
+  if (is_ours || may_save()) {
     add(saved("at exit", save_parameters(file_, loaded_.values, loaded_.unknown)));
   }
   return all;

@@ -24,7 +24,7 @@ class SavedParameters {
   const app::Parameters& values() const { return loaded_.values; }
   /// Notes for the operator on how they were loaded.
   const std::vector<std::string>& notes() const { return loaded_.notes; }
-  /// Defaults are in force until an operator saves.
+  /// Defaults, or old values, are in force until an operator saves.
   bool must_be_confirmed() const { return loaded_.must_be_confirmed; }
   /// The last save failed; it is retried.
   bool save_failed() const { return save_failed_; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Saves the timestamp of MAVLink 2 signing across restarts: it must not go back even if the clock
-// does, or old messages would pass for new.
+// does, or old messages would pass for new. Messages stamped after the last saved time can be
+// repeated after a sudden end of the program. So it is saved every 5 s; more often would wear an SD
+// card, since each saving syncs file and folder.
 //
 //   flotilla-signing-time 1 37500000000000
 //   crc32 = 89ABCDEF
@@ -33,7 +35,7 @@ class SigningTime {
  public:
   /// Throws std::system_error if the thread cannot be started.
   SigningTime(std::filesystem::path path, std::uint64_t timestamp,
-              std::chrono::milliseconds every = std::chrono::seconds(30));
+              std::chrono::milliseconds every = std::chrono::seconds(5));
 
   void put(std::uint64_t timestamp) { timestamp_.store(timestamp, std::memory_order_relaxed); }
 

@@ -2,6 +2,8 @@
 // ESCs that drive though they were told to stand still.
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "app/propulsion/can_node.hpp"
 
 namespace flotilla::app {
@@ -18,10 +20,12 @@ struct Bus {
   bool armed = false;
   std::uint8_t power_pct = 0, transfer_id = 0;
   std::int32_t rpm = 0;
+  float current_A = 0;
 
-  void status(std::uint8_t index, std::uint8_t power, std::int32_t turns) {
+  void status(std::uint8_t index, std::uint8_t power, std::int32_t turns, float current = 0) {
     link::EscStatus message;
     message.esc_index = index;
+    message.current = current;
     message.power_rating_pct = power;
     message.rpm = turns;
     link::Payload payload;
@@ -43,7 +47,7 @@ struct Bus {
     while (now_us < begin_us + static_cast<std::int64_t>(seconds * 1e6)) {
       now_us += kTick_us;
       if (now_us % kStatus_us == 0) {
-        status(0, power_pct, rpm);
+        status(0, power_pct, rpm, current_A);
         status(1, 0, 0);
         transfer_id = (transfer_id + 1U) & 0x1FU;
       }
@@ -99,6 +103,34 @@ TEST_CASE("a propeller that water turns runs down, one that goes on for five sec
     for (int k = 0; k < 110; ++k) bus.run(0.01);
     CHECK(bus.run(10) == -1);
   }
+}
+
+TEST_CASE("a propeller that water turns all day is left alone if its ESC measures no current") {
+  Bus bus;
+  bus.armed = true;
+  bus.port_command = 4000;
+  bus.rpm = 2000;
+  bus.current_A = 20;
+  CHECK(bus.run(10) == -1);
+  bus.port_command = 0;
+  bus.current_A = 0.1F;
+  CHECK(bus.run(60) == -1);
+  bus.current_A = -3;  // it brakes
+  CHECK(bus.run(60) == -1);
+  for (const float current : {0.6F, std::numeric_limits<float>::quiet_NaN()}) {
+    bus.current_A = current;
+    const double after_s = bus.run(6);
+    CHECK(after_s >= 4.9);
+    CHECK(after_s <= 5.1);
+    bus.current_A = 0;
+    for (int k = 0; k < 110; ++k) bus.run(0.01);
+  }
+}
+
+TEST_CASE("an ESC that has never measured a current does not prove that it draws none") {
+  Bus bus;
+  bus.rpm = 2000;
+  CHECK(bus.run(6) > 0);
 }
 
 TEST_CASE("an ESC obeys again a second after it stands still") {

@@ -80,7 +80,8 @@ def test_a_table_that_the_disk_did_not_take_is_said_once_and_written_later(sea: 
     obstacle.mkdir(parents=True)
     sea.start()
     allocated(sea, FIRST)
-    sea.run(0.5)
+    sea.until(lambda: "node_ids.txt.new cannot be written" in sea.process.words)
+    sea.run(6.0)  # it has been tried again
     assert sea.process.words.count("node_ids.txt.new cannot be written") == 1
     obstacle.rmdir()
     sea.until(table.exists)

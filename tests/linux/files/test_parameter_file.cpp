@@ -10,6 +10,7 @@
 #include "link/mavlink/crc32.hpp"
 #include "linux/files/durable_file.hpp"
 #include "linux/files/parameter_file.hpp"
+#include "linux/files/saved_parameters.hpp"
 #include "linux/scratch.hpp"
 
 namespace flotilla::target {
@@ -182,6 +183,35 @@ TEST_CASE("what is there instead of a parameter file is said, never fatal") {
   const auto loaded = load_parameters(boat.file);
   CHECK(loaded.source == ParameterSource::kDefaults);
   CHECK(said(loaded, why));
+}
+
+TEST_CASE("beside a file of another format, the previous version is old: it must be confirmed") {
+  Boat boat;
+  put(boat.file, signed_text("flotilla-parameters 2\nLAW_KX = 0.75\n"));
+  const auto loaded = load_parameters(boat.file);
+  CHECK(loaded.source == ParameterSource::kPrevious);
+  CHECK(loaded.values.LAW_KX == 0.25F);
+  CHECK(loaded.must_be_confirmed);
+  CHECK(said(loaded, "has another format (\"flotilla-parameters 2\")"));
+}
+
+TEST_CASE("at exit, the previous version replaces no file unless an operator has saved") {
+  for (const std::string& other :
+       {signed_text("flotilla-parameters 2\n"), std::string("damaged, or edited by hand")}) {
+    Boat boat;
+    put(boat.file, other);
+    {
+      SavedParameters saved(boat.file);
+      saved.begin(saved.values());
+      CHECK(saved.finish(app::SaveRequest::kNone, saved.values()).empty());
+    }
+    CHECK(content(boat.file) == other);
+    SavedParameters saved(boat.file);
+    saved.begin(saved.values());
+    CHECK(saved.finish(app::SaveRequest::kConfirmed, saved.values()).size() == 1);
+    CHECK(load_parameters(boat.file).source == ParameterSource::kFile);
+    CHECK(load_parameters(boat.file).values.LAW_KX == 0.25F);
+  }
 }
 
 TEST_CASE("a value that is not allowed keeps its default alone, and must be confirmed") {

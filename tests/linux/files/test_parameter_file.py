@@ -12,7 +12,7 @@ from sil.live.parameter_file import parameter_text
 from tests.linux.process import PATIENT, STORAGE, RealSea, now_us
 from tests.target.stations import ACCEPTED, ARM, command_long
 
-NOT_SAVED = "PreArm: parameters are not saved"
+NOT_SAVED = "PreArm: parameters or fence are not saved"
 
 
 def text(*lines: str, **values: float) -> str:
@@ -38,7 +38,7 @@ def test_a_boat_that_was_never_set_up_says_so_and_does_not_arm_until_saved(sea: 
     sea.set_up = False
     sea.start()
     sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
-    assert "parameters are defaults: check and save them" in sea.texts()
+    assert "parameters are default or old: check and save them" in sea.texts()
     assert f"no {sea.state_dir}/parameters.txt: never set up, or lost" in sea.process.words
     assert "ALL PARAMETERS ARE DEFAULTS" in sea.process.words
     assert not sea.armed
@@ -71,7 +71,8 @@ def test_a_boat_that_was_set_up_starts_without_a_complaint_and_arms(sea: RealSea
 def test_a_damaged_file_falls_back_to_the_previous_one_and_says_so(
     sea: RealSea, file: Path
 ) -> None:
-    file.write_text(text(CAN_NODE=34).replace("CAN_NODE = 34", "CAN_NODE = 35"))
+    damaged = text(CAN_NODE=34).replace("CAN_NODE = 34", "CAN_NODE = 35")
+    file.write_text(damaged)
     previous(file).write_text(text(CAN_NODE=33))
     sea.start(param={})
     sea.arm()
@@ -79,7 +80,28 @@ def test_a_damaged_file_falls_back_to_the_previous_one_and_says_so(
     assert "parameters.txt is damaged" in sea.process.words
     assert "parameters loaded from parameters.txt.previous" in sea.process.words
     assert sea.end() == 0
+    assert file.read_text() == damaged  # for an operator to look at
+
+    sea.start(param={})
+    sea.save_parameters()
     assert is_whole(file.read_text()) and "CAN_NODE = 33\n" in file.read_text()
+
+
+def test_beside_a_file_of_a_newer_version_the_previous_one_must_be_confirmed(
+    sea: RealSea, file: Path
+) -> None:
+    body = "flotilla-parameters 2\n"
+    newer = body + f"crc32 = {zlib.crc32(body.encode()):08X}\n"
+    file.write_text(newer)
+    previous(file).write_text(text(CAN_NODE=33))
+    sea.start(param={})
+    sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
+    assert sea.source_node() == 33
+    assert sea.end() == 0
+    assert file.read_text() == newer
+    sea.start(param={})
+    sea.save_parameters()
+    sea.arm()
 
 
 def test_with_both_files_damaged_an_operator_has_to_look_at_the_defaults(

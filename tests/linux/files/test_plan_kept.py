@@ -2,6 +2,7 @@
 """A plan survives the end of flotillad, however sudden; a damaged file is said and not used."""
 
 import signal
+import zlib
 from collections.abc import Callable, Sequence
 
 import pytest
@@ -9,7 +10,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.linux.process import PATIENT, RealSea
 from tests.target.plans import Item, as_sent, at, box, circle, fields, rally, speed
-from tests.target.stations import BOAT
+from tests.target.stations import ARM, BOAT
 
 PLAN = [at(10, 0, hold_s=3.0), speed(0.8), at(10, 10, radius_m=1.5)]
 OTHER = [at(5, 5)]
@@ -104,6 +105,38 @@ def test_a_damaged_file_is_said_and_not_used(
     sea.start()
     assert fetched(sea) == []
     sea.until(lambda: words in sea.process.words)
+
+
+@pytest.mark.parametrize("lost", ["damaged", "refused"])
+@pytest.mark.parametrize("new", ["sent", "cleared"])
+def test_a_boat_that_cannot_use_its_stored_fence_does_not_arm_until_it_has_a_new_one_or_none(
+    sea: RealSea, lost: str, new: str
+) -> None:
+    sea.start()
+    send(sea, FENCED, 1)
+    sea.end()
+    file = sea.state_dir / "fence.txt"
+    if lost == "damaged":
+        file.write_text(file.read_text()[:40])
+    else:
+        lines = file.read_text().splitlines(keepends=True)
+        body = "".join(lines[:2])  # one corner is no polygon
+        file.write_text(body + f"crc32 = {zlib.crc32(body.encode()):08X}\n")
+    sea.start()
+    said = {"damaged": "fence.txt is damaged; no fence", "refused": "fence.txt is not used: "}
+    sea.until(lambda: said[lost] in sea.process.words)
+    sea.insist(lambda: "PreArm: parameters or fence are not saved" in sea.texts(), ARM, 1.0)
+    assert "stored fence is not usable: send or clear it" in sea.texts()
+    assert not sea.armed
+    if new == "sent":
+        send(sea, FENCED[-1:], 1)
+    else:
+        sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, 1))
+    sea.arm()
+    sea.end()
+    sea.start()
+    assert fetched(sea, 1) == (as_sent(FENCED[-1:]) if new == "sent" else [])
+    sea.arm()
 
 
 def test_a_plan_that_the_boat_may_not_sail_any_more_is_not_used(sea: RealSea) -> None:

@@ -64,7 +64,7 @@ def test_a_boat_that_runs_tells_its_state_and_what_it_lacks(
     lacking = {f.what for f in found if f.where == "boat"}
     # signatures are required of the navigation unit too, which has none here
     assert ("own state is not fresh" in lacking) == (policy == "required")
-    assert not lacking & {"ESCs are not online", "parameters are not saved"}
+    assert not lacking & {"ESCs are not online", "parameters or fence are not saved"}
 
 
 def test_a_doctor_without_the_key_says_that_it_needs_it(patient: Patient, tmp_path: Path) -> None:
