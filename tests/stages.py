@@ -75,7 +75,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     packages = "amd64 arm64 armhf" if options.all else "amd64"
     of_builds, ignored = " ".join(OF_BUILDS), " ".join(f"--ignore={path}" for path in OF_BUILDS)
     tidied = (
-        "firmware/.*cpp" if options.all else "firmware/app/(supervisor|guidance|propulsion|boat)"
+        "firmware/.*cpp" if options.all else "firmware/app/(supervisor|plan|guidance|propulsion|boat)"
     )
     found = [
         # Collecting writes the tests' bytecode once; else each worker would, 17 s of each.

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "app/convert/convert_scalar.hpp"
-#include "app/operator/sentences.hpp"
+#include "app/operator/telemetry/sentences.hpp"
 
 namespace flotilla::app {
 namespace {

@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "app/conditions.hpp"
-#include "app/guidance/errands.hpp"
 #include "app/guidance/voyage_pilot.hpp"
+#include "app/operator/telemetry/warnings.hpp"
 #include "app/operator/vehicle.hpp"
-#include "app/operator/warnings.hpp"
+#include "app/plan/errands.hpp"
 
 namespace flotilla::app {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/operator/telemetry.hpp"
+#include "app/operator/telemetry/telemetry.hpp"
 #include "app/propulsion/can_node.hpp"
 #include "app/settled.hpp"
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "app/conditions.hpp"
-#include "app/guidance/model_monitor.hpp"
+#include "app/estimation/model_monitor.hpp"
 #include "app/operator/host_report.hpp"
 #include "app/operator/vehicle.hpp"
 #include "app/propulsion/thrusters.hpp"

@@ -42,7 +42,7 @@
 // nowhere for 2 s while it went astern after a slot that makes way, it turns about, |δ| ≤ π, u_w = 0,
 // to a course that is clear and open; if there is none, it goes on as before.
 //
-// A course is closed if the boat cannot stop on it within its fence (app/guidance/fence_watch.hpp).
+// A course is closed if the boat cannot stop on it within its fence (app/plan/fence_watch.hpp).
 //
 // From a stranger the boat keeps (k_e − k_y) D_min more, and it turns to port only if no other open
 // course is clear or it got nowhere for 10 s (COLREGs, rules 14, 15 and 17).

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "fuzz/history.hpp"
 
 namespace flotilla::fuzz {

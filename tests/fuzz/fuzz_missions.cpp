@@ -7,7 +7,7 @@
 #include <cstring>
 #include <optional>
 
-#include "app/operator/mission_service.hpp"
+#include "app/operator/services/mission_service.hpp"
 #include "fuzz/guard.hpp"
 #include "fuzz/stream.hpp"
 

@@ -8,13 +8,13 @@
 
 #include "app/convert/convert_telemetry.hpp"
 #include "app/guidance/fleet_reports.hpp"
-#include "app/guidance/plan_vessel.hpp"
 #include "app/guidance/reference.hpp"
 #include "app/guidance/slot_claims.hpp"
 #include "app/guidance/slot_follower.hpp"
 #include "app/navigation/neighbours.hpp"
 #include "app/navigation/time_requests.hpp"
 #include "app/navigation/vessel_track.hpp"
+#include "app/plan/plan_vessel.hpp"
 #include "core/supervisor.hpp"
 
 namespace flotilla::app {

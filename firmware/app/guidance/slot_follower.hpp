@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "app/guidance/own_motion.hpp"
+#include "app/estimation/own_motion.hpp"
 #include "app/guidance/tree_place.hpp"
 #include "core/coast.hpp"
 #include "core/reference.hpp"

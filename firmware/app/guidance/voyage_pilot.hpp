@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/guidance/fence.hpp"
 #include "app/guidance/pilot.hpp"
-#include "app/guidance/voyage.hpp"
+#include "app/plan/fence.hpp"
+#include "app/plan/voyage.hpp"
 
 namespace flotilla::app {
 

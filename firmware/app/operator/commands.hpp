@@ -8,8 +8,8 @@
 #include <string_view>
 #include <variant>
 
-#include "app/guidance/errand.hpp"
 #include "app/operator/failure.hpp"
+#include "app/plan/errand.hpp"
 #include "app/supervisor.hpp"
 #include "core/supervisor.hpp"
 #include "link/mavlink/ftp_server.hpp"

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "app/operator/commands.hpp"
-#include "app/operator/token_bucket.hpp"
+#include "app/operator/telemetry/token_bucket.hpp"
 #include "link/mavlink/decode.hpp"
 #include "link/mavlink/encode.hpp"
 #include "link/mavlink/signing.hpp"

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "app/convert/convert_telemetry.hpp"
-#include "app/guidance/errand.hpp"
+#include "app/plan/errand.hpp"
 #include "core/drive.hpp"
 
 namespace flotilla::app {

@@ -7,12 +7,12 @@
 #include <cstddef>
 #include <span>
 
-#include "app/operator/log_service.hpp"
 #include "app/operator/mavlink_links.hpp"
-#include "app/operator/mission_service.hpp"
-#include "app/operator/parameter_service.hpp"
 #include "app/operator/router.hpp"
-#include "app/operator/streams.hpp"
+#include "app/operator/services/log_service.hpp"
+#include "app/operator/services/mission_service.hpp"
+#include "app/operator/services/parameter_service.hpp"
+#include "app/operator/telemetry/streams.hpp"
 #include "app/propulsion/can_node.hpp"
 #include "link/mavlink/signing.hpp"
 

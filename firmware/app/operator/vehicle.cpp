@@ -6,8 +6,8 @@
 
 #include "app/convert/convert.hpp"
 #include "app/convert/portable.hpp"
-#include "app/operator/metadata.hpp"
-#include "app/operator/text.hpp"
+#include "app/operator/services/metadata.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "app/parameters/derived.hpp"
 
 namespace flotilla::app {

@@ -2,7 +2,7 @@
 // Vehicle: sends heartbeats, streams, pending answers and texts.
 #include <algorithm>
 
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "app/operator/vehicle.hpp"
 
 namespace flotilla::app {

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "app/guidance/plan.hpp"
+#include "app/plan/plan.hpp"
 #include "linux/files/list_saver.hpp"
 
 namespace flotilla::target {

@@ -9,7 +9,7 @@
 #include <string>
 #include <variant>
 
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "fleet/fleet.hpp"
 #include "fleet_values.hpp"
 #include "policies/rules.hpp"

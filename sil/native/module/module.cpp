@@ -14,8 +14,8 @@
 #include <variant>
 
 #include "app/boat.hpp"
-#include "app/operator/metadata.hpp"
-#include "app/operator/text.hpp"
+#include "app/operator/services/metadata.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "app/parameters/derived.hpp"
 #include "app/version.hpp"
 #include "fleet_binding.hpp"

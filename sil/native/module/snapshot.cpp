@@ -3,7 +3,7 @@
 
 #include <nanobind/stl/optional.h>
 
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;

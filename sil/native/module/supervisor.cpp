@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "snapshot.hpp"
 
 namespace nb = nanobind;

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "app/convert/convert.hpp"
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 
 namespace flotilla::policies {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "app/guidance/fence_watch.hpp"
+#include "app/plan/fence_watch.hpp"
 #include "core/separation.hpp"
 
 namespace flotilla::app {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "app/navigation/neighbours.hpp"
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 
 namespace flotilla::app {
 namespace {

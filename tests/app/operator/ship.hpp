@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "app/convert/convert.hpp"
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "app/operator/vehicle.hpp"
 #include "link/any_message.hpp"
 

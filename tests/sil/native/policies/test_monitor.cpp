@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/operator/text.hpp"
+#include "app/operator/telemetry/text.hpp"
 #include "policies/monitor.hpp"
 #include "policies/rules.hpp"
 #include "policies/watched_boat.hpp"

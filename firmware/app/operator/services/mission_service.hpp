@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// MAVLink's mission protocol: takes a ground station's plan, fence or rally points, keeps them, and
+// gives them back. The old ones stay until the last item of the new ones has come.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "app/operator/commands.hpp"
+#include "app/plan/fence.hpp"
+#include "app/plan/plan_check.hpp"
+
+namespace flotilla::app {
+
+/// Kinds of stored items; the values are MAV_MISSION_TYPE's.
+enum class Stored : std::uint8_t { kPlan, kFence, kRally };
+constexpr std::size_t kStoredKinds = 3;
+/// No items have this id.
+constexpr std::uint32_t kLostId = 1;
+
+/// Room for the stored items, and for an upload, which may be as long as any of them.
+struct MissionRoom {
+  std::array<std::span<PlanItem>, kStoredKinds> stored;
+  std::span<PlanItem> incoming;
+  std::span<Fence::Place> corners;  ///< one for each item of the fence
+};
+
+class MissionService {
+ public:
+  /// The room must outlive this object. homes: a plan may begin with its sender's home.
+  MissionService(const MissionRoom& room, bool homes)
+      : homes_(homes), incoming_(room.incoming), fence_(room.corners) {
+    for (std::size_t kind = 0; kind < kStoredKinds; ++kind) stores_[kind].room = room.stored[kind];
+  }
+
+  Plan stored(Stored kind) const { return store(kind).items(); }
+  Plan plan() const { return stored(Stored::kPlan); }
+
+  /// Changes with the stored items; 0: none, kLostId: a lost fence.
+  std::uint32_t id(Stored kind) const { return store(kind).id; }
+
+  /// At the start: restores saved items, unless they are not sound. A plan that leaves the fence is
+  /// restored, too, but AUTO is refused.
+  PlanFault restore(Stored kind, Plan items, const PlanDefaults& defaults);
+  /// At the start: the saved fence cannot be restored. It is lost until an operator has sent or
+  /// cleared the fence.
+  void lose_fence() { store(Stored::kFence).id = kLostId; }
+  bool fence_is_lost() const { return id(Stored::kFence) == kLostId; }
+
+  /// The sender, and its rights: the plan may not change while it is sailed, fence and rally points
+  /// not while the law drives.
+  struct Asker {
+    link::Address from;
+    std::uint8_t link = 0;
+    bool may_command = false, in_auto = false, law_drives = false;
+    bool may_change(Stored kind) const {
+      return may_command && !(kind == Stored::kPlan ? in_auto : law_drives);
+    }
+  };
+
+  /// The answer to a message of the mission protocol; nothing where none is due.
+  std::optional<link::Message> answer(const RequestMessage& asked, const Asker& asker,
+                                      const PlanDefaults& defaults, std::int64_t now_us);
+
+  /// A message to repeat, because the sender of the items is silent.
+  struct Repeated {
+    std::uint8_t link;
+    link::Message message;
+  };
+  std::optional<Repeated> repeat(std::int64_t now_us);
+
+  /// News for the operator: items were stored or refused, or the stored plan leaves the fence.
+  struct News {
+    enum class Kind : std::uint8_t { kStored, kRefused, kPlanLeavesFence };
+    Kind kind = Kind::kRefused;
+    Stored what = Stored::kPlan;
+    std::size_t item = 0;  ///< where it was refused, from 0
+    std::string_view why{};
+  };
+  std::optional<News> take_news();
+
+  /// The item to which the boat sails next, and with which AUTO begins.
+  std::size_t current() const { return current_; }
+  bool is_begun() const { return current_ > homes_of(plan()); }
+  bool is_complete() const { return complete_; }
+  /// False if there is no such item.
+  bool set_current(std::size_t item);
+  /// Whether an operator has set the current item since the last call.
+  bool take_jump();
+  void sailed(std::size_t item, bool complete);
+
+  const Fence& fence() const { return fence_; }
+  /// The fence's map follows the boat's origin.
+  void locate(const link::GpsGlobalOrigin& origin) { fence_.locate(origin); }
+  /// Switches the fence on or off; false if none is stored.
+  bool enable_fence(bool on);
+  /// Once a tick: judges the plan by the fence, a few legs at a time.
+  void check_plan(const PlanDefaults& defaults);
+  /// Why the straight way from the boat to an item, or the first place after it, leaves the fence.
+  std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
+                                  const PlanDefaults& defaults) const;
+  /// Before AUTO: judges the way from the boat to where the plan begins. The judgement is soon out
+  /// of date if the boat moves: then call forget_way().
+  void check_way(const convert::Position& here, const PlanDefaults& defaults);
+  void forget_way() { way_why_ = {}; }
+  /// The plan keeps the fence. While the plan is sailed, an unfinished judgement does not stop it.
+  bool plan_keeps_fence(bool in_auto) const;
+  /// Why not, for the operator; empty: it does, or there is no plan.
+  std::string_view plan_trouble() const {
+    if (!check_.why().empty()) return check_.why();
+    return fence_.is_on() ? way_why_ : std::string_view{};
+  }
+
+  /// The place to which a boat at `here` returns: the nearest permitted rally point, if possible
+  /// one with a straight way; home if there is none.
+  convert::GlobalPoint return_place(const convert::Position& here, const convert::GlobalPoint& home,
+                                    const PlanDefaults& defaults) const;
+
+ private:
+  struct Store {
+    std::span<PlanItem> room{};
+    std::size_t count = 0;
+    std::uint32_t id = 0;
+    link::Address from{};
+    Plan items() const { return room.first(count); }
+  };
+  struct Upload {
+    Asker asker;
+    Stored kind = Stored::kPlan;
+    std::size_t count = 0, next = 0;  ///< items
+    std::int64_t asked_us = 0;
+    int tries = 0;
+    bool judged = true;  ///< all items by the present fence
+  };
+
+  Store& store(Stored kind) { return stores_[static_cast<std::size_t>(kind)]; }
+  const Store& store(Stored kind) const { return stores_[static_cast<std::size_t>(kind)]; }
+  std::size_t homes_of(Plan items) const;
+  /// The items without a leading home.
+  Plan sailed_of(Stored kind, Plan items) const;
+  std::optional<link::Message> begin(const link::MissionCount& count, const Asker& asker,
+                                     std::int64_t now_us);
+  std::optional<link::Message> take(const link::MissionItemInt& item, const Asker& asker,
+                                    const PlanDefaults& defaults, std::int64_t now_us);
+  link::Message clear(const link::MissionClearAll& asked, const Asker& asker);
+  PlanFault fault_of_last_incoming(const PlanDefaults& defaults) const;
+  link::Message finish(const Asker& asker);
+  void judge_anew();
+  link::Message refuse(const Asker& asker, Stored kind, const PlanFault& fault);
+  link::Message ask(std::int64_t now_us);
+  link::Message item(std::size_t seq, const link::Address& to, std::uint8_t type) const;
+  bool is_from_uploader(const Asker& asker) const;
+  void replace(Stored kind, Plan items);
+
+  bool homes_;
+  std::array<Store, kStoredKinds> stores_;
+  std::span<PlanItem> incoming_;
+  Fence fence_;
+  PlanCheck check_;
+  std::uint32_t checked_map_ = 0;
+  float checked_margin_m_ = 0;
+  std::string_view way_why_{};
+  std::size_t current_ = 0;
+  bool complete_ = false, jumped_ = false;
+  std::optional<Upload> upload_;
+  std::optional<News> news_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#include "app/plan/errands.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::string_view kNoWay = "no path inside the fence: boat waits";
+
+}  // namespace
+
+void Errands::sail_to(const Target& target) {
+  way_round_.stop();
+  errand_.sail_to(target);
+}
+
+void Errands::sail_round(const Fence& fence, const convert::Position& here, const Target& target,
+                         const Target& meanwhile, float margin_m) {
+  const auto from = fence.on_map(here);
+  const bool outside = from && !(Fence::Length(0) < fence.clearance(*from));  // any way leads back
+  const bool straight = outside || fence.refusal_of(here, target.place, 0).empty();
+  sail_to(straight ? target : meanwhile);
+  if (straight) return;
+  way_round_.begin(fence, here, target, margin_m);
+  if (!way_round_.is_searching()) news_ = kNoWay;
+}
+
+bool Errands::leads_to(const Target& target) const {
+  const auto& [place, speed_mps] = goal();
+  return place.latitude == target.place.latitude && place.longitude == target.place.longitude &&
+         speed_mps == target.speed_mps;
+}
+
+bool Errands::look_for_way(const Fence& fence) {
+  if (!way_round_.is_searching()) return false;
+  way_round_.forward(fence);
+  if (way_round_.is_searching()) return false;
+  if (!way_round_.found()) {
+    news_ = kNoWay;
+    return false;
+  }
+  news_ = "straight path crosses the fence: going round it";
+  errand_ = way_round_.errand(fence);
+  return true;
+}
+
+}  // namespace flotilla::app

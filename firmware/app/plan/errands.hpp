@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The errand of GUIDED, LOITER or RTL. If the straight way leaves the fence, the boat waits while
+// it searches for a way round, and then sails that.
+#pragma once
+
+#include <string_view>
+#include <utility>
+
+#include "app/plan/errand.hpp"
+#include "app/plan/fence.hpp"
+#include "app/plan/way_round.hpp"
+
+namespace flotilla::app {
+
+class Errands {
+ public:
+  void sail_to(const Target& target);
+
+  /// The same, but waits at `meanwhile` if it has to search for a way round.
+  void sail_round(const Fence& fence, const convert::Position& here, const Target& target,
+                  const Target& meanwhile, float margin_m);
+
+  /// Call once a tick: continues the search for a way round. True if plan() has changed.
+  [[nodiscard]] bool look_for_way(const Fence& fence);
+
+  Plan plan() const { return errand_.plan(); }
+  /// The end of plan().
+  Target goal() const { return errand_.target(); }
+  /// False while the boat waits for a way round to the target.
+  bool leads_to(const Target& target) const;
+
+  /// A sentence about the search for the operator, once; empty: none.
+  std::string_view take_news() { return std::exchange(news_, {}); }
+
+ private:
+  Errand errand_;
+  WayRound way_round_;
+  std::string_view news_{};
+};
+
+}  // namespace flotilla::app

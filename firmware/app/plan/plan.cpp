@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: MIT
+#include "app/plan/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/plan/voyage.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+constexpr float kOctagon = 1.0824F;  // distance of its corners / of its sides, from the centre
+constexpr float kLargestRadius_m = 100, kSlowest_mps = 0.05F, kFastest_mps = 5;
+/// Unused parameters are NaN.
+float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
+
+bool is_within(float param, float most) { return or_zero(param) >= 0 && or_zero(param) <= most; }
+
+bool has_place(const PlanItem& item) {
+  return item.command == mav::kNavWaypoint || item.command == mav::kNavLoiterUnlimited ||
+         item.command == mav::kNavLoiterTurns || item.command == mav::kNavLoiterTime ||
+         is_voyage(item);
+}
+
+bool turns(const PlanItem& item) { return item.command == mav::kNavLoiterTurns; }
+
+bool is_pause(const PlanItem& item) {
+  return item.command == mav::kNavDelay || item.command == mav::kConditionDelay;
+}
+
+/// Whether home becomes the boat's position at that time.
+bool sets_home_here(const PlanItem& item) { return or_zero(item.param[0]) == 1; }
+
+/// Whether an item means the boat's position at that time: a loiter at 0, 0.
+bool is_here(const PlanItem& item) {
+  return item.command != mav::kNavWaypoint && !turns(item) && !is_voyage(item) && item.x == 0 &&
+         item.y == 0;
+}
+
+bool leads_somewhere(const PlanItem& item) { return has_place(item) && !is_here(item); }
+
+bool waits(const PlanItem& item) { return has_place(item) || is_pause(item); }
+
+float radius_of(const PlanItem& item, const PlanDefaults& defaults) {
+  const float told_m = or_zero(item.param[2]);
+  return told_m == 0 ? defaults.radius_m : told_m < 0 ? -told_m : told_m;
+}
+
+PlanFault fault_of_frame(const PlanItem& item) {
+  if (is_global(item.frame)) return {};
+  return {mav::kMissionUnsupportedFrame, "frame must be global"};
+}
+
+PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
+  const float speed_mps = or_zero(item.param[1]);
+  if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "param1 is not 0 or 1"};
+  if (speed_mps < 0) return {};  // −1: no change, −2: the default
+  if (speed_mps < kSlowest_mps || !(speed_mps <= kFastest_mps)) {
+    return {mav::kMissionInvalidParam2, "speed not 0.05 to 5 m/s"};
+  }
+  if (fastest_mps > 0 && speed_mps > fastest_mps) {
+    return {mav::kMissionInvalidParam2, "speed is above LAW_U_MAX"};
+  }
+  return {};
+}
+
+PlanFault fault_of_circle(const PlanItem& item, const PlanDefaults& defaults) {
+  constexpr float kMostTurns = 100;
+  const float radius_m = radius_of(item, defaults);
+  if (!(or_zero(item.param[0]) > 0 && is_within(item.param[0], kMostTurns))) {
+    return {mav::kMissionInvalidParam1, "turns not between 0 and 100"};
+  }
+  if (!(radius_m >= 1 && radius_m <= kLargestRadius_m)) {
+    return {mav::kMissionInvalidParam3, "radius not 1 to 100 m"};
+  }
+  return {};
+}
+
+PlanFault fault_of_home(const PlanItem& item) {
+  if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "param1 is not 0 or 1"};
+  return sets_home_here(item) ? PlanFault{} : fault_of_place(item);
+}
+
+/// Judges the last item, a jump. It must lead back over two places or a circle, so that no loop is
+/// without progress.
+PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
+  const PlanItem& item = plan.back();
+  const float target = item.param[0], times = or_zero(item.param[1]);
+  const float homes = static_cast<float>(defaults.homes);
+  const float last = static_cast<float>(plan.size() - 1) + homes;
+  const bool leads_back = target >= homes && target < last;
+  if (!leads_back || static_cast<float>(jump_of(item, defaults)) != target - homes) {
+    return {mav::kMissionInvalidParam1, "jump must lead back"};
+  }
+  if (times != -1 && !is_within(times, 30'000)) {
+    return {mav::kMissionInvalidParam2, "repeats not -1 to 30000"};
+  }
+  const Plan loop = plan.subspan(jump_of(item, defaults));
+  const auto first = std::ranges::find_if(loop, leads_somewhere);
+  const auto moves = [&](const PlanItem& i) {
+    return leads_somewhere(i) && (turns(i) || i.x != first->x || i.y != first->y);
+  };
+  if (std::ranges::none_of(loop, moves)) {
+    return {mav::kMissionInvalidParam1, "empty loop"};
+  }
+  const auto is_jump = [](const PlanItem& i) { return i.command == mav::kDoJump; };
+  const auto jumps = static_cast<std::size_t>(std::ranges::count_if(plan, is_jump));
+  return jumps > PlanReader::kJumps ? PlanFault{mav::kMissionNoSpace, {}} : PlanFault{};
+}
+
+PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
+  if (is_voyage(item)) {
+    const PlanFault fault = fault_of_voyage(item);
+    return fault ? fault : fault_of_place(item);
+  }
+  const bool timed = waits(item) && item.command != mav::kNavLoiterUnlimited && !turns(item);
+  if (timed && !is_within(item.param[0], kLongestWait_s)) {
+    return {mav::kMissionInvalidParam1, "wait not 0 to 30000 s"};
+  }
+  if (item.command == mav::kNavWaypoint && !is_within(item.param[1], kLargestRadius_m)) {
+    return {mav::kMissionInvalidParam2, "radius not 0 to 100 m"};
+  }
+  if (turns(item)) {
+    if (const PlanFault fault = fault_of_circle(item, defaults)) return fault;
+  }
+  if (has_place(item)) return is_here(item) ? fault_of_frame(item) : fault_of_place(item);
+  switch (item.command) {
+    case mav::kNavReturn:
+    case mav::kNavDelay:
+    case mav::kConditionDelay:
+    case mav::kDoJump:
+    case mav::kDoSetRoi:
+      return {};
+    case mav::kDoSetHome:
+      return fault_of_home(item);
+    case mav::kDoChangeSpeed:
+      return fault_of_speed(item, defaults.fastest_mps);
+    default:
+      return {mav::kMissionUnsupported, "command not supported"};
+  }
+}
+
+}  // namespace
+
+bool is_global(std::uint8_t frame) {
+  constexpr std::array<std::uint8_t, 5> kGlobal{0, 3, 5, 6, 11};
+  return std::ranges::find(kGlobal, frame) != kGlobal.end();
+}
+
+bool is_speed(double mps, const PlanDefaults& defaults) {
+  const bool limited = defaults.fastest_mps > 0;
+  const float most = limited ? std::min(defaults.fastest_mps, kFastest_mps) : kFastest_mps;
+  return mps >= double{kSlowest_mps} && mps <= double{most};
+}
+
+PlanFault fault_of_place(const PlanItem& item) {
+  if (const PlanFault fault = fault_of_frame(item)) return fault;
+  if (convert::is_valid({item.x, item.y, 0, 0})) return {};
+  const bool turned = item.x < -890'000'000 || item.x > 890'000'000;
+  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "invalid position"};
+}
+
+PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item) {
+  const convert::Position from{0, 0, {first.x, first.y, 0, 0}};
+  if (convert::way_to<double>(from, {item.x, item.y}, kPlanReach_m).near) return {};
+  return {mav::kMissionInvalidX, "over 2 km from the first"};
+}
+
+std::optional<convert::GlobalPoint> place_of(const PlanItem& item) {
+  if (!leads_somewhere(item)) return std::nullopt;
+  return convert::GlobalPoint{item.x, item.y};
+}
+
+float room_of(const PlanItem& item, const PlanDefaults& defaults) {
+  return turns(item) ? kOctagon * radius_of(item, defaults) : 0;
+}
+
+std::size_t jump_of(const PlanItem& item, const PlanDefaults& defaults) {
+  return static_cast<std::size_t>(item.param[0]) - defaults.homes;
+}
+
+std::optional<convert::GlobalPoint> home_of(const PlanItem& item) {
+  if (sets_home_here(item)) return std::nullopt;
+  return convert::GlobalPoint{item.x, item.y};
+}
+
+PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
+  const PlanItem& last = plan.back();
+  const PlanFault fault = fault_of_item(last, defaults);
+  if (!fault && last.command == mav::kDoJump) return fault_of_jump(plan, defaults);
+  const bool needs_place = last.command == mav::kDoSetHome || last.command == mav::kNavReturn;
+  if (!fault && needs_place && std::ranges::none_of(plan, leads_somewhere)) {
+    return {mav::kMissionInvalid, "needs a waypoint before it"};
+  }
+  const bool sets_home = last.command == mav::kDoSetHome && !sets_home_here(last);
+  if (fault || !(leads_somewhere(last) || sets_home)) return fault;
+  return fault_of_reach(*std::ranges::find_if(plan, leads_somewhere), last);
+}
+
+PlanFault fault_of(Plan plan) {
+  const auto first = std::ranges::find_if(plan, leads_somewhere);
+  if (first == plan.end()) return {mav::kMissionInvalid, "it has no waypoint"};
+  if (std::any_of(plan.begin(), first, waits))
+    return {mav::kMissionInvalid, "it begins with a wait"};
+  return {};
+}
+
+void PlanReader::begin(Plan plan, std::size_t first, const PlanDefaults& defaults,
+                       const std::optional<convert::GlobalPoint>& home) {
+  *this = {};
+  defaults_ = defaults;
+  home_ = home;
+  first_ = first;
+  if (defaults.fastest_mps > 0) {
+    defaults_.speed_mps = std::min(defaults.speed_mps, defaults.fastest_mps);
+  }
+  speed_mps_ = defaults_.speed_mps;
+  while (at_ < std::min(first, plan.size())) note(plan[at_++]);
+}
+
+/// Notes the item's place, and the speed and home that it sets.
+void PlanReader::note(const PlanItem& item) {
+  if (const auto place = place_of(item)) last_ = place;
+  if (item.command == mav::kDoSetHome) home_ = sets_home_here(item) ? last_ : home_of(item);
+  if (item.command != mav::kDoChangeSpeed) return;
+  const float told_mps = or_zero(item.param[1]);
+  if (told_mps > 0) speed_mps_ = told_mps;
+  if (told_mps == -2) speed_mps_ = defaults_.speed_mps;
+}
+
+/// Whether the jump is taken; counts it.
+bool PlanReader::takes_jump(const PlanItem& item) {
+  const float times = or_zero(item.param[1]);
+  for (Jump& jump : jumps_) {
+    if (jump.taken < 0) jump = {static_cast<std::uint16_t>(at_), 0};
+    if (jump.item != at_) continue;
+    if (times >= 0 && static_cast<float>(jump.taken) >= times) {
+      jump.taken = 0;  // an outer jump may lead here again
+      return false;
+    }
+    if (times >= 0) ++jump.taken;
+    return true;
+  }
+  return false;
+}
+
+PlanPoint PlanReader::point_of(const PlanItem& item, const convert::GlobalPoint& place) {
+  const float told_m = item.command == mav::kNavWaypoint ? or_zero(item.param[1]) : 0;
+  last_ = place;
+  return {at_, place, speed_mps_, told_m > 0 ? told_m : defaults_.radius_m};
+}
+
+/// The next corner of an octagon round the circle; the vessel rounds these corners. The first one
+/// is towards the place before.
+PlanPoint PlanReader::on_circle(const PlanItem& item) {
+  constexpr std::array<std::array<float, 2>, 8> kWays{{{1, 0},
+                                                       {0.70711F, 0.70711F},
+                                                       {0, 1},
+                                                       {-0.70711F, 0.70711F},
+                                                       {-1, 0},
+                                                       {-0.70711F, -0.70711F},
+                                                       {0, -1},
+                                                       {0.70711F, -0.70711F}}};
+  const convert::Position centre{0, 0, {item.x, item.y, 0, 0}};
+  if (octants_ == 0 && last_) {
+    const auto [way, near] = convert::way_to<double>(centre, *last_, 2 * kPlanReach_m);
+    double most = 0;
+    for (std::size_t i = 0; near && i < kWays.size(); ++i) {
+      const double along = way.x * double{kWays[i][0]} + way.y * double{kWays[i][1]};
+      if (along <= most) continue;
+      most = along;
+      octant_ = static_cast<std::uint16_t>(i);
+    }
+  } else if (octants_ > 0) {
+    const int on = or_zero(item.param[2]) < 0 ? 7 : 1;
+    octant_ = static_cast<std::uint16_t>((octant_ + on) % 8);
+  }
+  ++octants_;
+  const double far_m = double{room_of(item, defaults_)};
+  const auto& [north, east] = kWays[octant_];
+  const auto place =
+      convert::global_of({far_m * double{north}, far_m * double{east}, centre.origin});
+  return {at_, place, speed_mps_, kLargestRadius_m};
+}
+
+std::optional<PlanPoint> PlanReader::next(Plan plan) {
+  std::optional<PlanPoint> point;
+  while (at_ < plan.size()) {
+    const PlanItem& item = plan[at_];
+    const bool returns = item.command == mav::kNavReturn;
+    if (point && (leads_somewhere(item) || (returns && home_))) return point;
+    if (turns(item)) {
+      point = on_circle(item);
+      last_ = point->place;
+      if (!(static_cast<float>(octants_) > 8 * or_zero(item.param[0]))) return point;
+      octants_ = 0;
+      ++at_;
+      continue;
+    }
+    if (leads_somewhere(item)) point = point_of(item, {item.x, item.y});
+    if (returns && home_) point = point_of(item, *home_);
+    if (returns || item.command == mav::kNavLoiterUnlimited || (is_voyage(item) && at_ != first_)) {
+      at_ = plan.size();
+      return point;
+    }
+    if (waits(item) && !is_voyage(item) && point) point->wait_s += or_zero(item.param[0]);
+    note(item);
+    if (item.command == mav::kDoJump && takes_jump(item)) {
+      at_ = jump_of(item, defaults_);
+      continue;
+    }
+    ++at_;
+  }
+  return point;
+}
+
+}  // namespace flotilla::app

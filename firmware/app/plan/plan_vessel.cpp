@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+#include "app/plan/plan_vessel.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "app/convert/convert_scalar.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr float kLongestWay_m = 3000;  // the planner's tested range
+static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
+constexpr int kNear_m = 1;  // from this distance of the boat on the vessel slows down
+// Steps of the scout between two samples of the future.
+constexpr int kSteps = 5;
+
+}  // namespace
+
+template <class S>
+void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
+                          const core::RouteParams<S>& limits, const convert::Position& own,
+                          const core::Motion<S>& motion) {
+  from_ = own;
+  start_m_ = voyage.start_m;
+  limits_ = limits;
+  points_[0] = {};
+  items_ = {};
+  count_ = 1;
+  sound_ = true;
+  seen_ = 0;
+  reader_.begin(voyage.plan, voyage.first, defaults, voyage.home);
+  fill(voyage.plan);
+  state_ = core::route_start(limits_, points());
+  const S off = core::wrap_pi(state_.motion.psi - motion.psi);
+  const bool on_course = core::abs(off) < S(0.5) && S(0.1) < motion.nu.u;
+  if (count_ < 2) {
+    state_.motion.psi = motion.psi;
+    state_.phase = core::RoutePhase::kWait;
+    state_.left = points_[0].wait;
+  } else if (on_course && !(S(0) < points_[0].wait)) {
+    state_.motion.nu.u = core::min(motion.nu.u, points_[1].speed);
+  } else {
+    state_.motion.psi = motion.psi;
+    state_.next = 0;
+    state_.left = points_[0].wait;
+    state_.phase = core::RoutePhase::kWait;
+  }
+}
+
+/// Reads a limited number of points: where jumps lead over one place again and again, the plan ends.
+template <class S>
+void PlanVessel<S>::fill(Plan plan) {
+  std::size_t left = 2 * plan.size() + kWindow;
+  while (count_ < kWindow && left-- > 0) {
+    const auto point = reader_.next(plan);
+    if (!point) return;
+    add(*point);
+  }
+}
+
+template <class S>
+void PlanVessel<S>::add(const PlanPoint& point) {
+  const auto [way, near] = convert::way_to<S>(from_, point.place, kLongestWay_m);
+  core::Waypoint<S>& last = points_[count_ - 1];
+  const S wait = convert::scalar<S>(std::min(point.wait_s, kLongestWait_s));
+  const S leg = core::hypot(way.x - last.place.x, way.y - last.place.y);
+  sound_ = sound_ && near && (count_ > 1 || leg <= convert::scalar<S>(start_m_));
+  if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
+    last.wait = core::min(last.wait, convert::scalar<S>(kLongestWait_s) - wait) + wait;
+    items_[count_ - 1] = point.item;
+    return;
+  }
+  points_[count_] = {way, convert::scalar<S>(point.speed_mps), convert::scalar<S>(point.radius_m),
+                     wait};
+  items_[count_] = point.item;
+  ++count_;
+}
+
+/// Share of its speed at which the vessel sails.
+template <class S>
+S pace(const BoatBehind<S>& boat, bool paused) {
+  if (paused) return S(0);
+  return core::clamp((boat.far_m - boat.off_m) / (boat.far_m - S(kNear_m)), S(0), S(1));
+}
+
+template <class S>
+void PlanVessel<S>::drive(const core::Drive<S>& desired, const BoatBehind<S>& boat, bool paused,
+                          S dt) {
+  constexpr int kLongWay_m = 500;
+  if (!(S(0) < dt)) return;
+  core::Motion<S>& motion = state_.motion;
+  if (S(kLongWay_m) < core::abs(motion.moved_n.x) || S(kLongWay_m) < core::abs(motion.moved_n.y)) {
+    from_ = place();
+    motion.moved_n = {};
+  }
+  const S share = pace(boat, paused);
+  seen_ = 0;
+  foresees_ = false;
+  core::drive_forward(limits_, {share * desired.u, share * desired.r, desired.course}, state_, dt);
+}
+
+template <class S>
+void PlanVessel<S>::forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt) {
+  constexpr std::size_t kPassed = 3;  // points behind that are kept
+  if (!(S(0) < dt)) return;           // a tick in which the clock stood still
+  const S share = pace(boat, paused);
+  advance(state_, share, dt);
+  look_ahead(share, dt);
+  if (state_.next <= kPassed) return;
+  const std::size_t passed = state_.next - 1;
+  scout_.next -= std::min(scout_.next, passed);
+  std::shift_left(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(count_),
+                  static_cast<std::ptrdiff_t>(passed));
+  std::shift_left(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(count_),
+                  static_cast<std::ptrdiff_t>(passed));
+  count_ -= passed;
+  state_.next = 1;
+  fill(plan);
+}
+
+template <class S>
+void PlanVessel<S>::advance(core::RouteState<S>& state, S share, S dt) const {
+  core::route_forward(limits_, points(), state, share, dt);
+}
+
+/// Computes one sample of the future per tick. Begins anew every second, or already after 0.25 s
+/// if the vessel slows down for the boat or speeds up again.
+template <class S>
+void PlanVessel<S>::look_ahead(S share, S dt) {
+  constexpr std::size_t kSamples = core::kFutureSamples + 1;
+  foreseen_.since = foreseen_.since + dt;
+  const bool changed = S(0.1) < core::abs(share - share_) && S(0.25) < foreseen_.since;
+  if (seen_ == 0 || changed || (seen_ == kSamples && !(foreseen_.since < S(1)))) {
+    scout_ = state_;
+    share_ = share;
+    seen_ = 0;
+    foreseen_.since = S(0);
+  }
+  if (seen_ == kSamples) return;
+  for (int step = 0; step < kSteps && seen_ > 0; ++step) advance(scout_, share_, S(0.1));
+  foreseen_.future.u[seen_] = scout_.motion.nu.u;
+  foreseen_.future.r[seen_] = scout_.motion.nu.r;
+  if (++seen_ == kSamples) foresees_ = true;
+}
+
+template <class S>
+std::optional<typename PlanVessel<S>::Foreseen> PlanVessel<S>::take_future() {
+  constexpr int kSteadyTold = 3;  // of so many steady futures in a row, one is not told
+  if (!std::exchange(foresees_, false)) return std::nullopt;
+  const auto steady = [](const auto& samples) {
+    return std::ranges::all_of(samples, [&](S x) { return x == samples[0]; });
+  };
+  const bool changes = !steady(foreseen_.future.u) || !steady(foreseen_.future.r);
+  untold_ = changes ? 0 : untold_ + 1;
+  if (untold_ % kSteadyTold > 1) return std::nullopt;
+  return foreseen_;
+}
+
+template <class S>
+void PlanVessel<S>::foresee(std::span<core::Motion<S>> motions, int every_s) const {
+  core::RouteState<S> state = state_;
+  for (core::Motion<S>& motion : motions) {
+    motion = state.motion;
+    for (int step = 0; step < 4 * every_s; ++step) advance(state, S(1), S(0.25));
+  }
+}
+
+template <class S>
+std::optional<std::size_t> PlanVessel<S>::reached() const {
+  using enum core::RoutePhase;
+  const bool under_way = state_.phase == kLeg || state_.phase == kCorner;
+  return items_[under_way ? state_.next - 1 : state_.next];
+}
+
+template <class S>
+convert::Position PlanVessel<S>::place() const {
+  const core::Vec2<S>& moved = state_.motion.moved_n;
+  return {from_.north_m + moved.x, from_.east_m + moved.y, from_.origin};
+}
+
+template class PlanVessel<float>;
+template class PlanVessel<double>;
+template class PlanVessel<core::Q16>;
+
+}  // namespace flotilla::app

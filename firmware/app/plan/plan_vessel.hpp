@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// The virtual vessel that sails a plan or an errand: the paper's agent 0. A boat without a leader
+// follows it by the law, and sends its motion as the formation's reference.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "app/plan/errand.hpp"
+#include "core/drive.hpp"
+#include "core/future.hpp"
+
+namespace flotilla::app {
+
+/// A plan, or an errand.
+struct Voyage {
+  Plan plan{};
+  std::size_t first = 0;         ///< begins with the first place at that item or later
+  float start_m = kPlanStart_m;  ///< the farthest that this place may be from the boat
+  std::optional<convert::GlobalPoint> home{};
+};
+
+/// The boat that follows the vessel, off_m away; from far_m on the vessel waits for it.
+template <class S>
+struct BoatBehind {
+  S off_m{};
+  S far_m{};
+};
+
+/// Holds a few points of the plan at a time; the plan must not change between start() and the last
+/// forward().
+template <class S>
+class PlanVessel {
+ public:
+  /// Starts at the boat's place and with its motion, and sails to the first point of the voyage and
+  /// on.
+  void start(const Voyage& voyage, const PlanDefaults& defaults, const core::RouteParams<S>& limits,
+             const convert::Position& own, const core::Motion<S>& motion);
+
+  /// Sails for dt seconds; slows down and waits for the boat.
+  void forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt);
+
+  /// A future that followers should know, and the time since its beginning, s; returned once.
+  struct Foreseen {
+    core::Future<S> future;
+    S since{};
+  };
+  std::optional<Foreseen> take_future();
+
+  /// The vessel's motion from now on, every `every_s`, if it waits for nobody. Computes four steps
+  /// of the planner for each second.
+  void foresee(std::span<core::Motion<S>> motions, int every_s) const;
+
+  /// Sails for dt seconds at these velocities; the plan is given up.
+  void drive(const core::Drive<S>& desired, const BoatBehind<S>& boat, bool paused, S dt);
+
+  /// The plan begins near enough to the boat, and its places read so far are in the planner's
+  /// range.
+  bool is_sound() const { return sound_; }
+  bool has_arrived() const { return state_.phase == core::RoutePhase::kArrived; }
+
+  /// The item whose place is ahead, or where the vessel waits or turns.
+  std::size_t item() const { return items_[state_.next].value_or(items_[1].value_or(0)); }
+
+  /// The item whose place was reached last, if any since the start.
+  std::optional<std::size_t> reached() const;
+
+  /// Motion since the place where it started.
+  const convert::Position& from() const { return from_; }
+  const core::Motion<S>& motion() const { return state_.motion; }
+  convert::Position place() const;
+
+ private:
+  static constexpr std::size_t kWindow = 12;  // more than the planner looks ahead
+
+  core::Waypoints<S> points() const { return core::Waypoints<S>(points_).first(count_); }
+  void fill(Plan plan);
+  void add(const PlanPoint& point);
+  void advance(core::RouteState<S>& state, S share, S dt) const;
+  void look_ahead(S share, S dt);
+
+  convert::Position from_;
+  float start_m_ = 0;
+  core::RouteParams<S> limits_;
+  PlanReader reader_;
+  std::array<core::Waypoint<S>, kWindow> points_{};
+  std::array<std::optional<std::size_t>, kWindow> items_{};  // none: where it started
+  std::size_t count_ = 1;
+  core::RouteState<S> state_{};
+  bool sound_ = false;
+
+  // The future is computed anew every second, a sample per tick, by sailing `scout_` ahead.
+  core::RouteState<S> scout_{};
+  Foreseen foreseen_{};
+  std::size_t seen_ = 0;   // samples of foreseen_
+  S share_{};              // of its speed, when the scout set out
+  int untold_ = 0;         // successive futures without any change
+  bool foresees_ = false;  // foreseen_ is whole, and not taken yet
+};
+
+}  // namespace flotilla::app

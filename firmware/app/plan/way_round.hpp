@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Finds the shortest way to a place that keeps the fence, over bends beside the fence's corners.
+// Searches a few legs per tick, from the place back to the boat.
+//
+//   g(goal) = 0      g(a) = min over b seen from a of g(b) + |a − b|
+//   closed next: the bend with the least g(a) + |a − boat|
+//
+//  symbol  meaning                                               unit
+//  g       length of the shortest way to the goal found so far   m
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "app/plan/errand.hpp"
+#include "app/plan/fence.hpp"
+
+namespace flotilla::app {
+
+class WayRound {
+ public:
+  static constexpr std::size_t kMost = 12;  ///< permitted bends; with more, no way is found
+
+  /// Begins a search. The way keeps margin_m from every boundary, or the distance of its two ends
+  /// if that is less.
+  void begin(const Fence& fence, const convert::Position& here, const Target& goal, float margin_m);
+  void stop() { phase_ = Phase::kOver; }
+
+  /// Searches a few legs further.
+  void forward(const Fence& fence);
+  bool is_searching() const { return phase_ == Phase::kCollect || phase_ == Phase::kSearch; }
+  bool found() const { return phase_ == Phase::kFound; }
+
+  /// If found: the errand that leads there.
+  Errand errand(const Fence& fence) const;
+
+ private:
+  enum class Phase : std::uint8_t { kOver, kCollect, kSearch, kFound };
+  using Length = Fence::Length;
+  using Place = Fence::Place;
+
+  struct Node {
+    Place place{};
+    Length left{};          // g
+    std::uint8_t next = 0;  // on the way to the goal
+    bool seen = false, closed = false;
+  };
+  static constexpr std::size_t kGoal = 0, kBoat = 1, kEnds = 2;
+
+  void collect(const Fence& fence);
+  void search(const Fence& fence);
+  bool close_next();
+  bool sees(const Fence& fence, const Node& a, const Node& b) const;
+  Length off() const;
+
+  Phase phase_ = Phase::kOver;
+  Target goal_{};
+  float margin_m_ = 0;
+  Length keep_{};  // from the boundaries
+  std::array<Node, kEnds + kMost> nodes_{};
+  std::uint16_t count_ = 0;
+  std::uint16_t from_ = 0, at_ = 0;  // the node closed last; the next bend or node to look at
+  std::uint32_t drawn_ = 0;          // the map that the places are on
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "app/operator/services/mission_service.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+const link::GpsGlobalOrigin kOrigin{410'000'000, 20'000'000, 0, 0};
+
+/// About so many metres from the origin.
+convert::GlobalPoint point(double north_m, double east_m) {
+  return {kOrigin.latitude + static_cast<std::int32_t>(std::lround(north_m / 0.01111)),
+          kOrigin.longitude + static_cast<std::int32_t>(std::lround(east_m / 0.0084))};
+}
+
+PlanItem item(std::uint16_t command, double north_m, double east_m, float param = 0) {
+  const auto at = point(north_m, east_m);
+  return {{param}, at.latitude, at.longitude, 0, command, 6, 1};
+}
+
+struct Kept {
+  std::array<PlanItem, 5> plan, fence, rally, incoming;
+  std::array<Fence::Place, 5> corners;
+  MissionService service{{{plan, fence, rally}, incoming, corners}, false};
+  PlanDefaults defaults{.speed_mps = 0.5F, .radius_m = 2, .margin_m = 1};
+
+  void store(Stored kind, const std::vector<PlanItem>& items) {
+    REQUIRE_FALSE(service.restore(kind, items, defaults));
+  }
+  convert::GlobalPoint back_from(double north_m, double east_m) {
+    return service.return_place({north_m, east_m, kOrigin}, point(1000, 1000), defaults);
+  }
+};
+
+bool same(const convert::GlobalPoint& a, const convert::GlobalPoint& b) {
+  return a.latitude == b.latitude && a.longitude == b.longitude;
+}
+
+TEST_CASE("a boat returns to the nearest rally point, or home if there is none") {
+  Kept kept;
+  CHECK(same(kept.back_from(0, 0), point(1000, 1000)));
+  kept.store(Stored::kRally, {item(mav::kRallyPoint, 50, 0), item(mav::kRallyPoint, 0, 30)});
+  CHECK(same(kept.back_from(0, 0), point(0, 30)));
+  CHECK(same(kept.back_from(40, 0), point(50, 0)));
+}
+
+TEST_CASE("a rally point to which the way is straight is preferred, one outside never used") {
+  Kept kept;
+  kept.service.locate(kOrigin);
+  kept.store(Stored::kRally, {item(mav::kRallyPoint, 50, 0), item(mav::kRallyPoint, 0, 30)});
+  kept.store(Stored::kFence, {item(mav::kFenceCircleExclusion, 0, 15, 5)});
+  CHECK(same(kept.back_from(0, 0), point(50, 0)));
+  kept.store(Stored::kFence, {item(mav::kFenceCircleExclusion, 50, 0, 5)});
+  CHECK(same(kept.back_from(40, 0), point(0, 30)));
+  kept.store(Stored::kFence, {item(mav::kFenceCircleInclusion, -100, -100, 20)});
+  CHECK(same(kept.back_from(0, 0), point(1000, 1000)));
+}
+
+TEST_CASE("a target, and the way to it, keep the margin, but a boat at the edge may leave it") {
+  Kept kept;
+  kept.service.locate(kOrigin);
+  kept.store(Stored::kFence, {item(mav::kFenceCircleInclusion, 0, 0, 20)});
+  const auto refusal = [&](double north_m, double to_m) {
+    return std::string(
+        kept.service.fence().refusal_of(convert::Position{north_m, 0, kOrigin}, point(to_m, 0), 2));
+  };
+  CHECK(refusal(0, 17).empty());
+  CHECK(refusal(0, 18.5) == "too near the fence");
+  CHECK(refusal(0, 21) == "outside the fence");
+  CHECK(refusal(19.5, 0).empty());
+  CHECK(refusal(21, 0) == "the boat is outside the fence");
+  CHECK(refusal(0, 4100) == "over 4 km from the fence");
+}
+
+}  // namespace
+}  // namespace flotilla::app
