@@ -54,7 +54,7 @@ class Fleet {
   void stopped();
 
   /// applied() has changed since the last call.
-  bool take_change() { return std::exchange(changed_, false); }
+  [[nodiscard]] bool take_change() { return std::exchange(changed_, false); }
 
   /// The parameters, with leader and slot by the table if there is one.
   Parameters applied(const Parameters& own) const;

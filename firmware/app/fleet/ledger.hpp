@@ -14,10 +14,10 @@ namespace flotilla::app {
 /// waits, or how long it has been in force, and each boat that passes it on counts on.
 class FleetLedger {
  public:
-  /// A sound table that comes into force at `valid_us`, one that stops all boats at once. False if
-  /// an older or the same one is held; of the same one the earliest time counts, as radios only
-  /// delay.
-  bool take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
+  /// Takes a valid table that comes into force at `valid_us`, or at once if it stops all boats.
+  /// False if it is not newer than the one held. For the same table the earliest time counts,
+  /// because radios only delay.
+  [[nodiscard]] bool take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
 
   /// Whether a table comes into force; forward() puts it there, as a whole.
   bool is_due(std::int64_t now_us) const { return next_ && now_us >= valid_us_; }

@@ -47,8 +47,10 @@ std::uint32_t can_id_of(const Route& route);
 std::optional<Route> route_of(std::uint32_t can_id);
 
 /// Splits a payload into frames; returns their number, or 0 if `out` is too short.
-std::size_t split_transfer(const Route& route, const DataType& type, std::uint8_t transfer_id,
-                           std::span<const std::uint8_t> payload, std::span<CanFrame> out);
+[[nodiscard]] std::size_t split_transfer(const Route& route, const DataType& type,
+                                         std::uint8_t transfer_id,
+                                         std::span<const std::uint8_t> payload,
+                                         std::span<CanFrame> out);
 
 /// Reassembles transfers of any number of senders; when full, drops the one silent for longest.
 class TransferReceiver {

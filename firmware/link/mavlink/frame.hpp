@@ -70,7 +70,7 @@ struct FrameSender {
 
 /// Writes a MAVLink 2 frame without the zeros at the payload's end and without the signature block.
 /// Returns its length, or 0 if `out` is too short for frame and block.
-std::size_t write_frame(FrameType type, const std::uint8_t* payload, FrameSender sender,
-                        std::span<std::uint8_t> out);
+[[nodiscard]] std::size_t write_frame(FrameType type, const std::uint8_t* payload,
+                                      FrameSender sender, std::span<std::uint8_t> out);
 
 }  // namespace flotilla::link

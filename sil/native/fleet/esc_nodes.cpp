@@ -164,9 +164,10 @@ void EscNodes::tell_node_status(std::size_t esc, std::int64_t now_us, Frames& ou
   link::Payload payload;
   const std::size_t size = write_payload(status, payload);
   link::CanFrame& frame = out.emplace_back();
-  split_transfer({kNodeStatusPriority, type.kind, type.id, kNodes[esc], 0}, type,
-                 next(escs_[esc].node_status_id), std::span(payload).first(size),
-                 std::span(&frame, 1));
+  // Fits into one frame.
+  static_cast<void>(split_transfer({kNodeStatusPriority, type.kind, type.id, kNodes[esc], 0}, type,
+                                   next(escs_[esc].node_status_id), std::span(payload).first(size),
+                                   std::span(&frame, 1)));
 }
 
 void EscNodes::tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out) {

@@ -69,8 +69,10 @@ void VesselFaults::put_on_bus(std::int64_t now_us, std::vector<link::CanFrame>& 
   constexpr std::uint8_t kNode = 50, kPriority = 24, kPressTime = 10;
   constexpr link::DataType type = link::Button::kType;
   constexpr std::array payload{link::Button::kSafety, kPressTime};
-  split_transfer({kPriority, type.kind, type.id, kNode, 0}, type, button_id_++ & 0x1FU, payload,
-                 std::span(&out.emplace_back(), 1));
+  // Fits into one frame.
+  static_cast<void>(split_transfer({kPriority, type.kind, type.id, kNode, 0}, type,
+                                   button_id_++ & 0x1FU, payload,
+                                   std::span(&out.emplace_back(), 1)));
 }
 
 std::int64_t VesselFaults::unit_ahead_us() const {
