@@ -57,7 +57,7 @@ class Supervisor {
   [[nodiscard]] Decision apply_conditions(core::Conditions conditions, std::int64_t now_us);
 
   /// Removes conditions until the next apply_conditions(): requests are judged without them.
-  void lack(core::Conditions missing) { conditions_ &= ~missing; }
+  void withdraw(core::Conditions missing) { conditions_ &= ~missing; }
 
   [[nodiscard]] Decision request(core::Request request, std::int64_t now_us);
   [[nodiscard]] Decision request_test(const MotorTest& test, std::int64_t now_us);

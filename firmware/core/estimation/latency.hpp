@@ -74,7 +74,7 @@ struct Latency {
   }
 };
 
-/// Not known where it is unobservable, as in a boat that hardly responds to its moments.
+/// `known` is false while τ is unobservable, as in a boat that hardly responds to its moments.
 template <class S>
 struct Late {
   S tau{};

@@ -73,7 +73,7 @@ class TransferReceiver {
     bool toggle = false;
     std::uint8_t size = 0;
     std::int64_t last_us = 0;
-    std::array<std::uint8_t, 64> buffer{};  ///< CRC and payload; no longer transfer concerns us
+    std::array<std::uint8_t, 64> buffer{};  ///< CRC and payload; longer transfers are not read
   };
 
   Session& session_of(std::uint32_t key);

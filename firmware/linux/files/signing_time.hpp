@@ -15,7 +15,7 @@
 #include <optional>
 #include <string>
 
-#include "linux/system/first_complaint.hpp"
+#include "linux/system/first_error.hpp"
 #include "linux/system/repeating_thread.hpp"
 
 namespace flotilla::target {
@@ -29,7 +29,7 @@ struct StoredSigningTime {
 StoredSigningTime load_signing_time(const std::filesystem::path& path);
 
 /// Writes at once, at an interval and at the end, in its own thread: an armed boat must not wait
-/// for the disk. put() and complaint() are for the control loop; they never block, throw or
+/// for the disk. put() and error() are for the control loop; they never block, throw or
 /// allocate.
 class SigningTime {
  public:
@@ -43,7 +43,7 @@ class SigningTime {
   bool clock_is_set() const { return clock_is_set_.load(std::memory_order_relaxed); }
 
   /// The first error with the file, once. Writing is retried.
-  std::optional<std::string> complaint() { return complaint_.take(); }
+  std::optional<std::string> error() { return error_.take(); }
 
  private:
   void write();
@@ -51,7 +51,7 @@ class SigningTime {
   std::filesystem::path path_;
   std::atomic<std::uint64_t> timestamp_;
   std::atomic<bool> clock_is_set_;
-  FirstComplaint complaint_;
+  FirstError error_;
   RepeatingThread writer_;
 };
 

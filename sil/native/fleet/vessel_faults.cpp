@@ -57,7 +57,7 @@ Sensed VesselFaults::measured(const Sensed& truth) {
   return told_.sensed();
 }
 
-void VesselFaults::say_beside(std::int64_t now_us, Bytes& out) {
+void VesselFaults::send_beside(std::int64_t now_us, Bytes& out) {
   if (!own_impostor_) return;
   Pose pose = truth_;
   move_north(pose.eta, pose.degE7, value(kOwnImpostor));
@@ -96,11 +96,11 @@ void VesselFaults::damage(std::span<std::uint8_t> bytes) {
   }
 }
 
-std::span<const std::uint8_t> VesselFaults::aired(std::span<const std::uint8_t> said,
+std::span<const std::uint8_t> VesselFaults::aired(std::span<const std::uint8_t> sent,
                                                   std::int64_t t_us, std::int64_t now_us) {
   aired_.clear();
-  if (!said.empty() && passes_radio()) {
-    aired_.assign(said.begin(), said.end());
+  if (!sent.empty() && passes_radio()) {
+    aired_.assign(sent.begin(), sent.end());
     damage(aired_);
   }
   if (impostor_) {
@@ -108,12 +108,12 @@ std::span<const std::uint8_t> VesselFaults::aired(std::span<const std::uint8_t> 
     move_north(pose.eta, pose.degE7, value(kImpostor));
     impostor_->tick(now_us + kImpostorAhead_us, pose.sensed(), aired_);
   }
-  if (has(kReplay)) say_again(said, t_us);
+  if (has(kReplay)) send_again(sent, t_us);
   return aired_;
 }
 
-void VesselFaults::say_again(std::span<const std::uint8_t> said, std::int64_t t_us) {
-  if (!said.empty()) to_repeat_.push_back({t_us, Bytes(said.begin(), said.end())});
+void VesselFaults::send_again(std::span<const std::uint8_t> sent, std::int64_t t_us) {
+  if (!sent.empty()) to_repeat_.push_back({t_us, Bytes(sent.begin(), sent.end())});
   const std::int64_t until_us = t_us - std::llround(1e6 * value(kReplay));
   for (; !to_repeat_.empty() && to_repeat_.front().t_us <= until_us; to_repeat_.pop_front()) {
     const Bytes& data = to_repeat_.front().data;
