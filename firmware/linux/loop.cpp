@@ -28,7 +28,7 @@ constexpr std::int64_t kHouse_us = 100'000;
 constexpr std::chrono::milliseconds kReopen{100};
 constexpr int kFarewellTicks = 10;
 // A stored signing timestamp further ahead of the clock than this is reported.
-constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
+constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthReporting = 60 * kStampsPerSecond;
 // Greatest number of frames and chunks read between checks of the timer: a flood must not stop the
 // tick.
 constexpr int kMaxFrames = 256, kMaxChunks = 64;
@@ -141,7 +141,7 @@ void Loop::secure() {
   const StoredSigningTime stored = load_signing_time(config_.signing_time_file());
   if (!stored.note.empty()) messages_.put(stored.note);
   const std::uint64_t clock = link::signing_time(clock_us(CLOCK_REALTIME));
-  if (stored.timestamp > clock + kWorthSaying) {
+  if (stored.timestamp > clock + kWorthReporting) {
     messages_.put("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
                   " s behind " + config_.signing_time_file().filename().string() +
                   ": messages signed by other clocks may be refused");

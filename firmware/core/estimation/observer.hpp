@@ -167,7 +167,7 @@ void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observe
                     const Nu<S>& innovation, S k, S dt) {
   const auto gain_of = [&](S omega) { return k * omega / (S(1) + omega * dt); };
   const auto learnt_of = [](S omega, S gain, S b, S off, Carry<S>& rest) {
-    return S(0) < omega ? b + rest.take(gain, off) : S(0);  // off: none is known
+    return S(0) < omega ? b + rest.take(gain, off) : S(0);  // off: b is not estimated
   };
   // The current integrates b_v, which must therefore be much faster.
   const S omega_v = max(params.omega, S(10) * params.omega_c);

@@ -43,7 +43,7 @@ struct Route {
 
 std::uint32_t can_id_of(const Route& route);
 
-/// Nothing for an id above 29 bits or a service from or to node 0.
+/// nullopt for an id above 29 bits or a service from or to node 0.
 std::optional<Route> route_of(std::uint32_t can_id);
 
 /// Splits a payload into frames; returns their number, or 0 if `out` is too short.
@@ -52,7 +52,7 @@ std::optional<Route> route_of(std::uint32_t can_id);
                                          std::span<const std::uint8_t> payload,
                                          std::span<CanFrame> out);
 
-/// Reassembles transfers of any number of senders; when full, drops the one silent for longest.
+/// Reassembles transfers of any number of senders; when full, drops the longest silent one.
 class TransferReceiver {
  public:
   struct Transfer {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Saves the timestamp of MAVLink 2 signing across restarts: it must not go back even if the clock
 // does, or old messages would pass for new. Messages stamped after the last saved time can be
-// repeated after a sudden end of the program. So it is saved every 5 s; more often would wear an SD
-// card, since each saving syncs file and folder.
+// replayed after a crash. It is saved every 5 s: more often would wear an SD card, because each save
+// syncs file and folder.
 //
 //   flotilla-signing-time 1 37500000000000
 //   crc32 = 89ABCDEF
@@ -29,8 +29,7 @@ struct StoredSigningTime {
 StoredSigningTime load_signing_time(const std::filesystem::path& path);
 
 /// Writes at once, at an interval and at the end, in its own thread: an armed boat must not wait
-/// for the disk. put() and error() are for the control loop; they never block, throw or
-/// allocate.
+/// for the disk. put() and error() are for the control loop; they never block, throw or allocate.
 class SigningTime {
  public:
   /// Throws std::system_error if the thread cannot be started.
