@@ -74,9 +74,8 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     words = shlex.join(options.pytest)
     packages = "amd64 arm64 armhf" if options.all else "amd64"
     of_builds, ignored = " ".join(OF_BUILDS), " ".join(f"--ignore={path}" for path in OF_BUILDS)
-    tidied = (
-        "firmware/.*cpp" if options.all else "firmware/app/(supervisor|plan|guidance|propulsion|boat)"
-    )
+    rooms = "supervisor|alone|boat|conditions|membership|estimation|fleet|guidance|plan|propulsion"
+    tidied = "firmware/.*cpp" if options.all else f"firmware/app/({rooms})"
     found = [
         # Collecting writes the tests' bytecode once; else each worker would, 17 s of each.
         Stage("lint", (f"{pytest} --collect-only -qq tests",

@@ -111,7 +111,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   can_output_.count = 0;
   idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (links_.waits_in_vain(link, now_us)) give_up(link, now_us);
+    if (links_.timed_out(link, now_us)) give_up(link, now_us);
   }
   collect_overflow();
   in_range_ = fits_ && !std::exchange(overflow_, false);
@@ -139,7 +139,8 @@ void Boat<S>::supervise(std::int64_t now_us) {
     more = vehicle_.answer(counters_);
     note_state(now_us);
     if (!vehicle_.take_change()) continue;
-    // A change applies before the next request is judged: a new leader, say, is not yet heard.
+    // A change applies before the next request is judged: for example, a new leader has not been
+    // heard yet.
     configure();
     apply_conditions(now_us);
   }
@@ -184,7 +185,8 @@ void Boat<S>::note_state(std::int64_t now_us) {
     vehicle_.send_statustext(link::mav::kSeverityInfo,
                              {"navigation quality not reported: not checked"}, counters_);
   }
-  if (state() != core::State::kGuided) vehicle_.take_target();  // it came before another request
+  // Discard a target that precedes another request.
+  if (state() != core::State::kGuided) vehicle_.take_target();
   if (was == state()) return;
   if (core::sails_alone(was)) pilot_.end_plan();
   if (core::sails_alone(state())) alone_.start({state(), conditions_, now_us});

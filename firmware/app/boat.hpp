@@ -114,7 +114,7 @@ class Boat {
   bool fence_is_lost() const { return vehicle_.missions().fence_is_lost(); }
 
   /// For a host that keeps logs: it opens the service once at the start, and after each tick it
-  /// brings, at once or later, the list or the bytes that wish() asks for.
+  /// brings, at once or later, the list or the bytes that request() asks for.
   LogService& logs() { return vehicle_.logs(); }
 
   /// One control step; returns all output.

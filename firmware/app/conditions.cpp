@@ -90,7 +90,7 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
     met |= core::kSlotSound;
   }
   const bool lost = judged.voyage_lost && boat.state() == core::State::kAuto;
-  if ((pilot.astray() == core::Astray::kNo && !lost) || !sails) {
+  if ((pilot.station_loss() == core::StationLoss::kNo && !lost) || !sails) {
     met |= core::kOnStation;
   }
   if (!boat.fence_watch.stays()) met &= ~core::kInsideFence;

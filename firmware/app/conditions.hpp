@@ -16,11 +16,11 @@ namespace flotilla::app {
 template <class S>
 struct Parts;
 
-/// The results of the boat's loop that its parts do not hold.
+/// Inputs to the conditions computed by Boat.
 struct Judged {
   core::Conditions heard = 0;
   bool in_range = false;     ///< no overflow of the law's scalar
-  bool slot_astern = false;  ///< the slot needs sailing astern
+  bool slot_astern = false;  ///< following the slot would require sailing astern
   bool voyage_lost = false;
 };
 

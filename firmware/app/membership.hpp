@@ -33,7 +33,7 @@ class Membership {
   FleetOrder order(core::State state, core::Conditions conditions, std::int64_t now_us);
 
   /// applied() has changed since the last call.
-  bool take_change() { return kKeepsFleet && fleet().take_change(); }
+  [[nodiscard]] bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
   /// Whether a slot that the message claims may be the own one.
   bool may_claim(const link::Received& received) const {

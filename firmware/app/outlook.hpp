@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How a boat that leads its fleet will sail.
+// Predicted motion of a boat that leads its fleet.
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@
 
 namespace flotilla::app {
 
-/// By its plan if it sails one, else on its present course.
+/// Predicted from the plan in AUTO, else at the present velocity.
 template <class S>
 FleetOutlook outlook_of(const Pilot<S>& pilot, bool sails_plan, float most_mps) {
-  std::array<core::Motion<S>, FleetOutlook::kMost> motions{};
+  std::array<core::Motion<S>, FleetOutlook::kMax> motions{};
   FleetOutlook out{.count = sails_plan ? motions.size() : 1, .most_mps = most_mps};
   if (sails_plan) {
     pilot.plan_vessel().foresee(motions, FleetOutlook::kEvery_s);

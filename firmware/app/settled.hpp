@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Debounces what is seen in every tick.
+// Debounces a boolean sampled every tick.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace flotilla::app {
 
-/// Debounces a condition: takes a new value once it has lasted 2 s; initially false.
+/// Takes a new value once it has lasted 2 s; initially false.
 class Settled {
  public:
   void look(bool now, std::int64_t now_us) {

@@ -54,13 +54,13 @@ class Supervisor {
   core::Conditions conditions(std::int64_t now_us) const;
 
   /// Applies the automatic transitions. Later requests are judged by these conditions, too.
-  Decision apply_conditions(core::Conditions conditions, std::int64_t now_us);
+  [[nodiscard]] Decision apply_conditions(core::Conditions conditions, std::int64_t now_us);
 
   /// Removes conditions until the next apply_conditions(): requests are judged without them.
-  void lack(core::Conditions missing) { conditions_ &= ~missing; }
+  void withdraw(core::Conditions missing) { conditions_ &= ~missing; }
 
-  Decision request(core::Request request, std::int64_t now_us);
-  Decision request_test(const MotorTest& test, std::int64_t now_us);
+  [[nodiscard]] Decision request(core::Request request, std::int64_t now_us);
+  [[nodiscard]] Decision request_test(const MotorTest& test, std::int64_t now_us);
 
   /// Whether this test is running or, if the request is a retransmission, ended less than 2 s ago:
   /// it is then neither prolonged nor run again.

@@ -105,7 +105,7 @@ Course<S> course(const ControllerParams<S>& params, ApproachState<S>& state,
     sailed.nu.u = to_body(error.R_e, Vec2<S>{slot.nu.u, slot.nu.v}).x;
     sailed.nu_dot.u = error.R_e.c * slot.nu_dot.u;
   }
-  const S U = agreed(slot.pace, desired_surge(params.outer, sailed, error) - c_b.x);
+  const S U = smaller_of_same_sign(slot.pace, desired_surge(params.outer, sailed, error) - c_b.x);
   return {sailed, line_of_sight(params.sight, in.nu, slot, error, U)};
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A root that sails a plan knows its future, and tells it: surge and yaw rate every half second.
-// Who has an old reference follows that future from there.
+// A root on a plan sends its predicted surge and yaw rate, every half second of it; receivers
+// extrapolate an old reference along them.
 //
 //   u(t) = u_k + (u_(k+1) − u_k)(t − k T)/T, r(t) likewise      T = 0.5 s, constant after the last
 //   ψ(t) = ψ_r + ∫ r        p(t) = p_r + ∫ R(ψ) [u v_r]ᵀ        from the reference's own time t_r on

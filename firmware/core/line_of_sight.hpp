@@ -42,7 +42,7 @@ struct LineOfSight {
 
 /// U: of two speeds the one nearer to zero; 0 where their signs differ.
 template <class S>
-S agreed(S a, S b) {
+S smaller_of_same_sign(S a, S b) {
   if (S(0) < a && S(0) < b) return min(a, b);
   if (a < S(0) && b < S(0)) return max(a, b);
   return S(0);

@@ -10,11 +10,11 @@
 //            until T           w
 //   h(w)   = min over vessels and 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t
 //   D_t    = min(m + D, |p| − ε); of a member m + D in the last stretch
-//   T      = max(4 s, min(20 s, t_r + U/2a + π/2r_m + k_e D_min/U)): turns aside by a quarter circle,
-//            gathers way and makes room; 4 s if U or r_m is 0
+//   T      = max(4 s, min(20 s, t_r + U/2a + π/2r_m + k_e D_min/U)): time to turn aside by a
+//            quarter circle, gather way and make room; 4 s if U or r_m is 0
 //   D(w)   = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
-//   D(w) < D for a vessel with right of way, w: straight to the slot, or desired now, which a boat
-//            that turns keeps for a quarter circle at the most: t ≤ π/2|r*|
+//   D(w) < D for a vessel with right of way, for w: straight to the slot, or desired now, which a
+//            turning boat keeps for a quarter circle at most: t ≤ π/2|r*|
 //           ⇒ w ← argmin of |w − w_e| over all w with h(w) ≥ 0; if there is none, argmax of h(w)
 //             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2
 //             a w on a closed course only if no other has h(w) ≥ 0; there, h is D_min less
@@ -25,29 +25,29 @@
 //
 //  symbol    meaning                                            unit    tested range
 //  p, v, m   other vessel's place seen from us, velocity,       m, m/s, m  ±100, ±5, 0 … 5
-//            and how far off the place may be
+//            and uncertainty of its place
 //  D_min     distance to keep; 0: off                           m       0.5 … 20
 //  V, u      own velocity, over ground and ahead                m/s
 //  w, δ, u_w velocity; the turn to its course, bow or stern first, ±π/2; surge when that begins
 //  r_m, U    LAW_R_MAX, LAW_U_MAX; if U is 0, max(D_min / 1 s, k_U |w_S|)   rad/s, m/s
 //  w_S, w_0  velocity of the slot; straight to the slot         m/s
-//  τ         time in which the boat came no nearer to its slot  s
+//  τ         time without progress towards the slot             s
 //  a, t_r    half the full-astern deceleration; reaction time   m/s², s
-//  a_r       yaw acceleration by the moment that is left when braking  rad/s²
+//  a_r       yaw acceleration by the moment left while braking  rad/s²
 //
-// A choice that is clear of vessels of constant velocity stays clear while it is sailed, for the
-// rest of the path is the same: so a boat that once had a clear choice has one. Two boats never wait
-// for each other: one of them has the way, and the other makes room. A boat that gets nowhere turns
-// its aim to starboard, until it finds a way round, and is content with less room (T_n). If it got
-// nowhere for 2 s while it went astern after a slot that makes way, it turns about, |δ| ≤ π, u_w = 0,
-// to a course that is clear and open; if there is none, it goes on as before.
+// A choice that is clear of vessels of constant velocity stays clear while it is sailed, because
+// the rest of the path stays the same: a boat that once had a clear choice keeps one. Two boats
+// never wait for each other: one has right of way, the other makes room. A boat without progress
+// turns its aim to starboard until it finds a way round, and accepts less clearance (T_n). After
+// 2 s without progress while going astern behind a slot that makes way, it turns about, |δ| ≤ π,
+// u_w = 0, to a course that is clear and open; if there is none, it continues as before.
 //
 // A course is closed if the boat cannot stop on it within its fence (app/plan/fence_watch.hpp).
 //
 // From a stranger the boat keeps (k_e − k_y) D_min more, and it turns to port only if no other open
-// course is clear or it got nowhere for 10 s (COLREGs, rules 14, 15 and 17).
+// course is clear or after 10 s without progress (COLREGs, rules 14, 15 and 17).
 //
-// The limit of u* binds every boat, also one with right of way: where both obey it, they stay
+// The limit of u* applies to every boat, also with right of way: two boats that both obey it stay
 // k_h D_min apart. Slots must be farther apart than k_e D_min.
 //
 // Not in paper. Sources of the ideas: C. Lee, J. Park, J. Kim, arXiv 2504.19247 (turning circles);
@@ -72,49 +72,65 @@ struct OtherVessel {
   Vec2<S> v_n{};    ///< over ground
   S margin{};       ///< uncertainty of p_n, m
   bool has_way{};   ///< right of way: we yield
-  bool stranger{};  ///< member of no formation: by the rules of the road
+  bool stranger{};  ///< not a member: COLREGs apply
 };
 
 constexpr std::size_t kMaxVessels = 8;
 
-/// Courses among which a boat that yields chooses, evenly spaced from north on.
+/// Courses among which a yielding boat chooses, evenly spaced from north.
 constexpr unsigned kCourses = 16;
 
 template <class S>
 struct Traffic {
   std::array<OtherVessel<S>, kMaxVessels> vessels{};
   std::size_t count = 0;
-  std::uint16_t closed = 0;  ///< courses, a bit each from the lowest on
+  std::uint16_t closed = 0;  ///< bit mask of closed courses; bit 0: north
 };
 
+/// No formula gives these weights, and no search found them: each is chosen by judgement, and
+/// tests.loop.encounters sails with all of them.
 template <class S>
 struct SeparationParams {
-  S least{};            ///< D_min, m
-  S horizon = S(4);     ///< T, s: at least 4, see horizon_of
-  S reaction = S(0.4);  ///< t_r, s
+  S least{};              ///< D_min, m; 0: off
+  S horizon = S(4);       ///< T, s; chosen: least value, enough for the paper's hull; horizon_of()
+  S horizon_max = S(20);  ///< greatest T, s; chosen: above the 15 s that a WAM-V needs
+  S reaction = S(0.4);    ///< t_r, s; chosen: delay of messages and propellers
+  S unlimited = S(1000);  ///< clearance without vessels, m; chosen: beyond every tested place
 
-  // Distances over D_min.
-  S hold = S(1.1);   ///< k_h: no boat approaches further
-  S yield = S(1.4);  ///< k_y: yielding begins; above k_h, or nobody would have room to pass
-  S end = S(1.5);    ///< k_e: yielding ends; above k_y, or it would begin again at once
+  // Distances, ratio to D_min.
+  S hold = S(1.1);   ///< k_h; chosen: least distance of any approach, a margin over D_min
+  S yield = S(1.4);  ///< k_y: yielding begins; chosen: above k_h, which leaves room to pass
+  S end = S(1.5);    ///< k_e: yielding ends; chosen: above k_y, or it would begin again at once
 
-  S eager = S(1);        ///< T_e, s: short, so that a boat passes rather than waits
-  S aside = S(0.3);      ///< k_t, rad/s
-  S narrow = S(6);       ///< T_n, s
-  S astern_s = S(2);     ///< then a boat that goes astern turns about
-  S stranger_s = S(10);  ///< then a stranger may be passed on either side
-  S same = S(0.1);       ///< of U and D_min: how much better another choice must be than the last
-  S receding = S(0.8);   ///< k_v: share of another vessel's speed away from us that is relied on
-  S faster = S(1.1);     ///< k_U: over the slot's speed, to catch up with it
-  S nearer = S(0.05);    ///< ε, m: or noise would make every choice look bad
-  S turning = S(2);      ///< k_r, 1/s: r* over δ
-  S any_rate = S(1);     ///< r_m where LAW_R_MAX is 0, rad/s
+  // Choice of w.
+  S eager = S(1);        ///< T_e, s; chosen: short, so that a boat passes rather than waits
+  S aside = S(0.3);      ///< k_t, rad/s; chosen: the aim turns by π within 10 s
+  S same = S(0.1);       ///< hysteresis, ratio to U and D_min; chosen
+  S slower = S(0.5);     ///< second speed of the 16 courses, ratio to U; chosen
+  S to_port = S(-0.02);  ///< w_0 × w of a turn to port, (m/s)²; chosen: not 0, for rounding
+  S nearer = S(0.05);    ///< ε, m; chosen: tolerance for noise, which would make w unclear
+  S turning = S(2);      ///< k_r, 1/s: ratio of r* to δ; chosen
+  S any_rate = S(1);     ///< r_m where LAW_R_MAX is 0, rad/s; chosen
+  S faster = S(1.1);     ///< k_U: ratio of U to the slot's speed; chosen: catches up with it
+
+  // Progress towards the slot.
+  S narrow = S(6);        ///< T_n, s; chosen
+  S astern_s = S(2);      ///< τ from which a boat turns about, s; chosen, see tests.loop.shapes
+  S stranger_s = S(10);   ///< τ from which a stranger is passed on either side, s; chosen
+  S stuck_max_s = S(60);  ///< τ at which it starts again from 0, s; chosen
+  S slow = S(4);          ///< ratio of U to a slow speed; chosen
+  S nearing = S(2);       ///< ratio of that speed to one that counts as progress; chosen
+  S recovery = S(2);      ///< ratio of the rates at which τ grows and decreases; chosen
+
+  // Limit of u*.
+  S boats = S(0.5);     ///< own share of the gap, 1/2 in the equation: both boats may approach
+  S receding = S(0.8);  ///< k_v: assumed share of its receding speed; chosen
 };
 
 template <class S>
 struct SeparationState {
   Vec2<S> w_n{};  ///< chosen last
-  S stuck_s{};    ///< τ; lessens at half that rate
+  S stuck_s{};    ///< τ; decreases at half the rate at which it grows
   bool yielding = false;
   bool bow_first = false;  ///< turning about: bow first, however far it must turn
 };
@@ -181,7 +197,7 @@ S predicted_distance(S horizon, const OtherVessel<S>& other, const Vec2<S>& w) {
   return least_distance(other.p_n, minus(other.v_n, w), horizon) - other.margin;
 }
 
-/// Speed from which the boat stops within the gap.
+/// L(g): speed from which the boat stops within the gap.
 template <class S>
 S stopping_speed(S a, S reaction, S gap) {
   if (!(S(0) < gap)) return S(0);
@@ -197,14 +213,14 @@ S quarter_turn() {
 /// T for a boat with these limits.
 template <class S>
 S horizon_of(const SeparationParams<S>& params, S U, S r_m, S a) {
-  const S least = params.horizon, most = S(20);
+  const S least = params.horizon, most = params.horizon_max;
   if (!(S(0) < U && S(0) < r_m && S(0) < a)) return least;
   const S gather_s = U < S(2) * a * most ? U / (S(2) * a) : most;
   const S quarter_s = quarter_turn<S>() / r_m, room_s = params.end * params.least / U;
   return max(least, min(params.reaction + gather_s + quarter_s + room_s, most));
 }
 
-/// Turn that brings a boat onto a course, bow or stern first, and surge during the turn.
+/// Turn to a course, bow or stern first, and surge during the turn.
 template <class S>
 struct Way {
   S delta{};
@@ -254,28 +270,28 @@ std::array<Stretch<S>, 5> path_to(const SeparationParams<S>& params, const Separ
            {max(T - params.reaction - speed_s - turn_s - gather_s, S(0)), w}}};
 }
 
-/// D of a vessel, with `room` in place of k_y for one with right of way.
+/// D of a vessel; `room`: k_y as room_for() reduces it, for a vessel with right of way.
 template <class S>
 S to_keep(const SeparationParams<S>& params, S room, const OtherVessel<S>& other) {
   if (other.stranger) return (room + params.end - params.yield) * params.least;
   return (other.has_way ? room : params.hold) * params.least;
 }
 
-/// Room for a boat that has come no nearer to its slot for `stuck` seconds; to strangers all of it.
+/// k_y, reduced to k_h while τ = `stuck` grows to T_n; not for strangers.
 template <class S>
 S room_for(const SeparationParams<S>& params, S stuck, bool stranger) {
   if (stranger) return params.yield;
   return params.yield - (params.yield - params.hold) * min(S(1), stuck / params.narrow);
 }
 
-/// min over 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t. A member must get its distance back, or the two
-/// would stay side by side.
+/// min over 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t. The distance to a member must be restored at the
+/// end of the path, or the two would stay side by side.
 template <class S>
 S clearance(const SeparationParams<S>& params, const std::array<Stretch<S>, 5>& path,
             const OtherVessel<S>& other, S keep) {
   Vec2<S> p = other.p_n;
   const S meanwhile = min(keep, length(p) - params.nearer);
-  S least = S(1000);
+  S least = params.unlimited;
   for (const Stretch<S>& stretch : path) {
     const Vec2<S> q = minus(other.v_n, stretch.v_n);
     const bool whole = !other.stranger && &stretch == &path.back();
@@ -290,7 +306,7 @@ template <class S>
 S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
             const SeparationInput<S>& in, const Vec2<S>& w) {
   const std::array<Stretch<S>, 5> path = path_to(params, in, w, state.bow_first);
-  S least = S(1000);
+  S least = params.unlimited;
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
     const S room = room_for(params, state.stuck_s, other.stranger);
@@ -304,7 +320,7 @@ S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
 template <class S>
 struct Choice {
   Vec2<S> w_n{};
-  int rank = -1;  ///< 4: clear; 3: and to port of a stranger; 2, 1: the same, closed; 0: not clear
+  int rank = -1;  ///< 4: clear; 3: clear, but turns to port; 2, 1: same, closed; 0: not clear
   S cost{};
 };
 
@@ -341,7 +357,7 @@ Choice<S> choose(const SeparationParams<S>& params, const SeparationState<S>& st
     const bool closed = is_closed(closed_courses, w);
     const S h = clearance(params, state, in, w) + bonus * params.least;
     const Vec2<S>& ahead = intent.straight_n;
-    const bool to_port = by_rule && ahead.x * w.y - ahead.y * w.x < S(-0.02);
+    const bool to_port = by_rule && ahead.x * w.y - ahead.y * w.x < params.to_port;
     const int rank = h < S(0) ? 0 : (closed ? 2 : 4) - (to_port ? 1 : 0);
     const S cost = rank == 0 ? (closed ? params.least : S(0)) - h
                              : length(minus(w, w_e)) - bonus * intent.fastest;
@@ -355,13 +371,14 @@ Choice<S> choose(const SeparationParams<S>& params, const SeparationState<S>& st
   Vec2<S> course = {intent.fastest, S(0)};
   for (unsigned k = 0; k < kCourses; ++k) {
     consider(course, S(0));
-    consider({S(0.5) * course.x, S(0.5) * course.y}, S(0));
+    consider({params.slower * course.x, params.slower * course.y}, S(0));
     course = {c * course.x - s * course.y, s * course.x + c * course.y};
   }
   return best;
 }
 
-/// Whether a boat that sails with ν* must yield, to a stranger too, and the least predicted distance.
+/// Whether a boat that sails with ν* must yield, also to a stranger, and the least predicted
+/// distance.
 template <class S>
 struct Outlook {
   Separation<S> out{};
@@ -391,22 +408,25 @@ Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& 
   return seen;
 }
 
-/// Counts τ: the boat is off its slot, slow beside it (or yields to a stranger), and comes no nearer.
+/// Advances τ while the boat is off its slot, slow beside it (or yields to a stranger), and comes
+/// no nearer.
 /// If that lasts while it goes astern behind a slot that moves, it turns about.
 template <class S>
 void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
                  const SeparationInput<S>& in, bool stranger) {
   const Intent<S>& intent = in.intent;
-  const S off = length(intent.off_n), slow = intent.fastest / S(4);
+  const S off = length(intent.off_n), slow = intent.fastest / params.slow;
   const Vec2<S> q = minus(to_north_east(in.R, Vec2<S>{in.nu.u, in.nu.v}), intent.slot_n);
-  const bool stuck = state.yielding && slow < off && (stranger || length(q) < slow) &&
-                     dot(q, Vec2<S>{intent.off_n.x / off, intent.off_n.y / off}) < slow / S(2);
+  const bool stuck =
+      state.yielding && slow < off && (stranger || length(q) < slow) &&
+      dot(q, Vec2<S>{intent.off_n.x / off, intent.off_n.y / off}) < slow / params.nearing;
   const bool patient = !(params.astern_s < state.stuck_s);
-  state.stuck_s = stuck ? state.stuck_s + in.dt : max(S(0), state.stuck_s - in.dt / S(2));
+  state.stuck_s =
+      stuck ? state.stuck_s + in.dt : max(S(0), state.stuck_s - in.dt / params.recovery);
   const bool loses = in.nu.u < S(0) && !stranger && slow < length(intent.slot_n);
   const bool begins = loses && patient && params.astern_s < state.stuck_s;
   state.bow_first = state.yielding && (state.bow_first || begins);
-  if (S(60) < state.stuck_s) state.stuck_s = S(0);
+  if (params.stuck_max_s < state.stuck_s) state.stuck_s = S(0);
 }
 
 /// Limits u so that u* n stays within its bound for every vessel.
@@ -415,7 +435,7 @@ S held_back(const SeparationParams<S>& params, const SeparationInput<S>& in, S u
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
     const S d = max(length(other.p_n), S(0.001));
-    const S gap = S(0.5) * (d - other.margin - params.hold * params.least);
+    const S gap = params.boats * (d - other.margin - params.hold * params.least);
     const S receding = max(S(0), dot(other.v_n, Vec2<S>{other.p_n.x / d, other.p_n.y / d}));
     const S limit = stopping_speed(in.a, params.reaction, gap) + params.receding * receding;
     const S n = to_body(in.R, other.p_n).x / d;

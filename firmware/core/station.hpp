@@ -43,11 +43,11 @@ struct StationParams {
 };
 
 /// Why a boat does not keep its station.
-enum class Astray : unsigned char { kNo, kLeft, kSpins, kStuck };
+enum class StationLoss : unsigned char { kNo, kLeft, kSpins, kStuck };
 
 template <class S>
 struct StationState {
-  Astray astray = Astray::kNo;
+  StationLoss loss = StationLoss::kNo;
   bool in = false;
   bool kept = false;
   bool started = false;
@@ -117,14 +117,14 @@ void station_forward(const StationParams<S>& params, StationState<S>& state,
       turns ? min(state.spinning_s + h, S(1000)) : max(state.spinning_s - S(0.3) * h, S(0));
   const bool calm = !(S(0) < params.r_max && params.r_max < abs(in.r));
   count_while(state.well_s, state.in && calm, h);
-  if (state.astray != Astray::kNo) {
-    if (S(1) < state.well_s) state.astray = Astray::kNo;
+  if (state.loss != StationLoss::kNo) {
+    if (S(1) < state.well_s) state.loss = StationLoss::kNo;
   } else if (params.leave_s < state.far_s) {
-    state.astray = Astray::kLeft;
+    state.loss = StationLoss::kLeft;
   } else if (params.spin_s < state.spinning_s) {
-    state.astray = Astray::kSpins;
+    state.loss = StationLoss::kSpins;
   } else if (params.stuck_s < state.idle_s) {
-    state.astray = Astray::kStuck;
+    state.loss = StationLoss::kStuck;
   }
 }
 

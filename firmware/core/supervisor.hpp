@@ -240,7 +240,7 @@ struct Choices {
   bool operator==(const Choices&) const = default;
 };
 
-/// In these states a loss, if not all of `needs` is met; `choice` then counts.
+/// In these states an unmet bit of `needs` is a loss; `choice` names the reaction.
 struct Loss {
   States in;
   Conditions needs;

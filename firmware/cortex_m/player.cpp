@@ -83,8 +83,8 @@ void Player::add(std::uint16_t port, std::span<const std::uint8_t> head,
 void Player::digest() {
   for (const link::CanFrame& frame : out_->can) add(kCanOut, bytes_of(frame.id), frame.bytes());
   for (std::size_t link = 0; link < out_->links->count(); ++link) {
-    const auto said = out_->links->bytes(link);
-    if (!said.empty()) add(static_cast<std::uint16_t>(kMavlinkOut + link), {}, said);
+    const auto sent = out_->links->bytes(link);
+    if (!sent.empty()) add(static_cast<std::uint16_t>(kMavlinkOut + link), {}, sent);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Counters of received, sent and discarded data, for people: they wrap, and no decision uses them.
+// Counters of received, sent and discarded data, for diagnosis only: they wrap.
 #pragma once
 
 #include <cstdint>

@@ -28,8 +28,9 @@ constexpr std::int64_t kHouse_us = 100'000;
 constexpr std::chrono::milliseconds kReopen{100};
 constexpr int kFarewellTicks = 10;
 // A stored signing timestamp further ahead of the clock than this is reported.
-constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
-// Most frames and chunks read before the timer is checked again: a flood must not stop the tick.
+constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthReporting = 60 * kStampsPerSecond;
+// Greatest number of frames and chunks read between checks of the timer: a flood must not stop the
+// tick.
 constexpr int kMaxFrames = 256, kMaxChunks = 64;
 constexpr std::int64_t kReadBeforeTick_us = 1000;
 
@@ -49,8 +50,8 @@ FileDescriptor catch_signals() {
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
-  ::signal(SIGHUP, SIG_IGN);   // closed terminal, or a reload: we sail on
-  ::signal(SIGPIPE, SIG_IGN);  // the reader of our output may end: we sail on
+  ::signal(SIGHUP, SIG_IGN);   // ignore SIGHUP: the terminal may close, or a reload be asked for
+  ::signal(SIGPIPE, SIG_IGN);  // ignore SIGPIPE: a reader may close stdout
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
 }
 
@@ -92,7 +93,7 @@ Loop::Loop(const Config& config)
   node_table_.load(boat_->node_ids());
   restore_plans();
   if (!config.log.empty()) {
-    shelf_.emplace(config.log);
+    log_reader_.emplace(config.log);
     boat_->logs().open();
   }
   openers_.emplace_back(kReopen, [this] { bus_->reopen(); }, "the CAN bus");
@@ -140,7 +141,7 @@ void Loop::secure() {
   const StoredSigningTime stored = load_signing_time(config_.signing_time_file());
   if (!stored.note.empty()) messages_.put(stored.note);
   const std::uint64_t clock = link::signing_time(clock_us(CLOCK_REALTIME));
-  if (stored.timestamp > clock + kWorthSaying) {
+  if (stored.timestamp > clock + kWorthReporting) {
     messages_.put("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
                   " s behind " + config_.signing_time_file().filename().string() +
                   ": messages signed by other clocks may be refused");
@@ -161,9 +162,9 @@ void Loop::secure() {
 /// Real-time priority and locked memory are optional: without them the boat sails and reports it.
 void Loop::ask_for_real_time() {
   if (config_.priority > 0) {
-    sched_param wish{};
-    wish.sched_priority = config_.priority;
-    if (::sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
+    sched_param desired{};
+    desired.sched_priority = config_.priority;
+    if (::sched_setscheduler(0, SCHED_FIFO, &desired) != 0) {
       messages_.put("SCHED_FIFO refused (" + std::string(std::strerror(errno)) +
                     "): running at normal priority");
     }
@@ -209,8 +210,8 @@ void Loop::wait() {
     statistics_.lateness.add(woken_us - deadline_us_);
     deadline_us_ += period_us_;
   }
-  // Nothing was read during missed ticks: the boat must judge the age of its data before the
-  // backlog passes for new.
+  // Nothing was read during missed ticks: the boat must judge the age of its data before it takes
+  // the backlog for new.
   if (expirations > 1) tick();
   const std::int64_t now_us = now();
   read_bus(now_us);
@@ -266,7 +267,7 @@ void Loop::tick() {
                   .clock_is_set = !signing_time_ || signing_time_->clock_is_set()});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
-  if (shelf_) bring_logs();
+  if (log_reader_) bring_logs();
   service_manager_.alive(began_us);
   if (began_us - house_kept_us_ >= kHouse_us) keep_house(began_us);
 }
@@ -294,9 +295,9 @@ void Loop::send(const app::Boat<Scalar>::Output& out, std::int64_t now_us) {
 void Loop::keep_house(std::int64_t now_us) {
   house_kept_us_ = now_us;
   maintain_devices(now_us);
-  if (const auto complaint = logs_.complaint()) messages_.put(*complaint);
-  if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
-    messages_.put(*complaint);
+  if (const auto error = logs_.error()) messages_.put(*error);
+  if (const auto error = signing_time_ ? signing_time_->error() : std::nullopt) {
+    messages_.put(*error);
   }
   if (const auto news =
           parameters_.maintain(boat_->take_save_request(), boat_->parameters(), now_us)) {
@@ -304,26 +305,27 @@ void Loop::keep_house(std::int64_t now_us) {
   }
   keep_lists();
   for (Kept& kept : kept_) {
-    if (const auto complaint = kept.saver.complaint()) messages_.put(*complaint);
+    if (const auto error = kept.saver.error()) messages_.put(*error);
   }
-  if (const auto complaint = node_table_.complaint()) messages_.put(*complaint);
+  if (const auto error = node_table_.error()) messages_.put(*error);
 }
 
 void Loop::bring_logs() {
   app::LogService& logs = boat_->logs();
-  if (const auto answer = shelf_->take()) {
-    const LogShelf::Question& asked = answer->question;
+  if (const auto answer = log_reader_->take()) {
+    const LogReader::Request& asked = answer->request;
     const auto log = static_cast<std::uint16_t>(asked.log - (asked.list ? 0 : logs.left_out()));
     if (asked.list) {
       std::vector<app::StoredLog> list;
-      for (const LogShelf::Log& each : answer->logs) list.push_back({each.size, each.time_s});
+      for (const LogReader::Log& each : answer->logs) list.push_back({each.size, each.time_s});
       logs.bring_list(list);
     } else {
       logs.bring({false, log, asked.offset}, answer->bytes);
     }
   }
-  if (const auto wish = logs.wish()) {
-    shelf_->ask({wish->list, wish->log + logs.left_out(), wish->offset, logs.piece_bytes()});
+  if (const auto request = logs.request()) {
+    log_reader_->ask(
+        {request->list, request->log + logs.left_out(), request->offset, logs.piece_bytes()});
   }
 }
 

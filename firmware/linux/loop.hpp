@@ -18,7 +18,7 @@
 #include "linux/files/saved_parameters.hpp"
 #include "linux/files/signing_time.hpp"
 #include "linux/logs/line_writer.hpp"
-#include "linux/logs/log_shelf.hpp"
+#include "linux/logs/log_reader.hpp"
 #include "linux/logs/logs.hpp"
 #include "linux/mavlink/mavlink_endpoint.hpp"
 #include "linux/service_manager.hpp"
@@ -74,7 +74,7 @@ class Loop {
   };
   std::list<Kept> kept_;
   Logs logs_;
-  std::optional<LogShelf> shelf_;            // only with logs
+  std::optional<LogReader> log_reader_;      // only with logs
   std::optional<SigningTime> signing_time_;  // only with a key
   ServiceManager service_manager_;
   StopSwitch stop_;

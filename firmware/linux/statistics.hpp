@@ -17,7 +17,7 @@ struct Statistics {
   Latency lateness;            ///< of the wake-up
   Latency processing;          ///< from the tick's start until the command is sent
   Latency response;            ///< from the first bytes received until the command is sent
-  std::uint32_t overruns = 0;  ///< ticks that came more than a period late
+  std::uint32_t overruns = 0;  ///< ticks more than a period late
 };
 
 /// Returns an error as a sentence.

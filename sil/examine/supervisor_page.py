@@ -51,7 +51,7 @@ def condition_table() -> str:
         value, bit = divmod(c["bit"], 24)
         where = f"{bit} of `COND2`" if value else str(bit)
         rows.append([f"`{name}`", where, c["complaint"], limit, ", ".join(needed)])
-    head = ("condition", "bit of `COND`", "where it is not met the boat says", "limit", "needed")
+    head = ("condition", "bit of `COND`", "message if unmet", "limit", "needed")
     return table(head, rows)
 
 

@@ -23,8 +23,8 @@ struct Helm {
   }
   State tick(Request request = Request::kNone) {
     now_us += 10'000;
-    supervisor.apply_conditions(met(), now_us);
-    if (request != Request::kNone) supervisor.request(request, now_us);
+    static_cast<void>(supervisor.apply_conditions(met(), now_us));
+    if (request != Request::kNone) static_cast<void>(supervisor.request(request, now_us));
     return supervisor.state();
   }
   State hear(const Sticks& sticks, Request request = Request::kNone, link::Address from = kFirst) {
@@ -82,8 +82,8 @@ TEST_CASE("HOLD and MANUAL in one tick begin MANUAL anew") {
   helm.hear(kNeutral, Request::kManual);
   helm.hear(kFull);
   CHECK(helm.pushes());
-  helm.supervisor.request(Request::kHold, helm.now_us);
-  helm.supervisor.request(Request::kManual, helm.now_us);
+  CHECK(helm.supervisor.request(Request::kHold, helm.now_us).granted);
+  CHECK(helm.supervisor.request(Request::kManual, helm.now_us).granted);
   CHECK(helm.supervisor.state() == State::kManual);
   CHECK_FALSE(helm.pushes());
 }

@@ -98,10 +98,10 @@ TEST_CASE("a boat to starboard of its slot's track turns to port, the more the f
 
 TEST_CASE_TEMPLATE("a boat steers by the smaller speed, and by none where two disagree", S, float,
                    double) {
-  CHECK(agreed(S(2), S(1)) == S(1));
-  CHECK(agreed(S(-2), S(-1)) == S(-1));
-  CHECK(agreed(S(2), S(-1)) == S(0));
-  CHECK(agreed(S(0), S(1)) == S(0));
+  CHECK(smaller_of_same_sign(S(2), S(1)) == S(1));
+  CHECK(smaller_of_same_sign(S(-2), S(-1)) == S(-1));
+  CHECK(smaller_of_same_sign(S(2), S(-1)) == S(0));
+  CHECK(smaller_of_same_sign(S(0), S(1)) == S(0));
 }
 
 TEST_CASE("the slower a boat makes way, the less it turns its bow; hardly at all below 0.05 m/s") {

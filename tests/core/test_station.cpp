@@ -33,7 +33,7 @@ struct Watch {
     for (int k = 0; k < std::lround(seconds * 50); ++k) {
       in.distance = of<S>(off(0.02 * k));
       station_forward(params, state, in, S(0.02));
-      if (state.astray != Astray::kNo) return 0.02 * k;
+      if (state.loss != StationLoss::kNo) return 0.02 * k;
     }
     return -1;
   }
@@ -70,26 +70,26 @@ TEST_CASE_TEMPLATE("winning back what yielding cost, again and again, is no prog
   Watch<S> w;
   CHECK(w.pass(20, [](double t) { return 22 - t; }) == -1);
   double until = 0;
-  while (until < 900 && w.state.astray == Astray::kNo) {
+  while (until < 900 && w.state.loss == StationLoss::kNo) {
     w.in.yields = true;
     w.pass(3, [](double t) { return 2 + 0.1 * t; });
     w.in.yields = false;
     w.pass(5, [](double t) { return 2.3 - 0.06 * t; });
     until += 8;
   }
-  CHECK(w.state.astray == Astray::kStuck);
+  CHECK(w.state.loss == StationLoss::kStuck);
 }
 
 TEST_CASE_TEMPLATE("a slot that moves elsewhere again and again hides no boat that makes no way", S,
                    float, double, Q16) {
   Watch<S> w;
   double until = 0;
-  while (until < 200 && w.state.astray == Astray::kNo) {
+  while (until < 200 && w.state.loss == StationLoss::kNo) {
     station_moved(w.state);
     w.stay(5, std::fmod(until, 10) < 5 ? 60 : 20);
     until += 5;
   }
-  CHECK(w.state.astray == Astray::kStuck);
+  CHECK(w.state.loss == StationLoss::kStuck);
   CHECK(until < 70);
 }
 
@@ -117,7 +117,7 @@ TEST_CASE_TEMPLATE("a boat that was in its slot and is 5 m off for a second has 
   const double after = w.stay(10, 5.2);
   CHECK(after > 0.9);
   CHECK(after < 1.2);
-  CHECK(w.state.astray == Astray::kLeft);
+  CHECK(w.state.loss == StationLoss::kLeft);
 }
 
 TEST_CASE_TEMPLATE("it is back in formation when it was in its slot for a second", S, float, double,
@@ -125,13 +125,13 @@ TEST_CASE_TEMPLATE("it is back in formation when it was in its slot for a second
   Watch<S> w;
   w.stay(4, 0);
   w.stay(2, 6);
-  REQUIRE(w.state.astray == Astray::kLeft);
+  REQUIRE(w.state.loss == StationLoss::kLeft);
   w.stay(0.02, 4);
-  CHECK(w.state.astray == Astray::kLeft);
+  CHECK(w.state.loss == StationLoss::kLeft);
   for (int k = 0; k < 40; ++k) w.stay(0.02, 0.9);
-  CHECK(w.state.astray == Astray::kLeft);
+  CHECK(w.state.loss == StationLoss::kLeft);
   for (int k = 0; k < 20; ++k) w.stay(0.02, 0.9);
-  CHECK(w.state.astray == Astray::kNo);
+  CHECK(w.state.loss == StationLoss::kNo);
 }
 
 TEST_CASE_TEMPLATE("a boat that passed through its slot is still closing up", S, float, double,
@@ -150,7 +150,7 @@ TEST_CASE_TEMPLATE("a boat that closes up is judged by its progress, however far
   const double after = idle.stay(100, 20);
   CHECK(after > 59);
   CHECK(after < 61);
-  CHECK(idle.state.astray == Astray::kStuck);
+  CHECK(idle.state.loss == StationLoss::kStuck);
 }
 
 TEST_CASE_TEMPLATE("at a limit progress must be seen in half the time", S, float, double, Q16) {
@@ -170,7 +170,7 @@ TEST_CASE_TEMPLATE("a boat that makes way for another is not stuck", S, float, d
 TEST_CASE_TEMPLATE("a circle around the slot is no progress", S, float, double, Q16) {
   Watch<S> w;
   CHECK(w.pass(100, [](double t) { return 12 + 4 * std::cos(t); }) > 50);
-  CHECK(w.state.astray == Astray::kStuck);
+  CHECK(w.state.loss == StationLoss::kStuck);
 }
 
 TEST_CASE_TEMPLATE("a boat that spins for two seconds is out of formation, in its slot or not", S,
@@ -184,7 +184,7 @@ TEST_CASE_TEMPLATE("a boat that spins for two seconds is out of formation, in it
       w.in.r = of<S>(r);
       CHECK(w.stay(1.9, off_m) == -1);
       CHECK(w.stay(1, off_m) > 0);
-      CHECK(w.state.astray == Astray::kSpins);
+      CHECK(w.state.loss == StationLoss::kSpins);
     }
   }
 }
@@ -192,13 +192,13 @@ TEST_CASE_TEMPLATE("a boat that spins for two seconds is out of formation, in it
 TEST_CASE_TEMPLATE("so is one that swings to and fro", S, float, double, Q16) {
   Watch<S> w;
   w.stay(4, 0);
-  for (int k = 0; k < 20 && w.state.astray == Astray::kNo; ++k) {
+  for (int k = 0; k < 20 && w.state.loss == StationLoss::kNo; ++k) {
     w.in.r = k % 2 == 0 ? S(2) : S(-2);
     w.stay(0.6, 0);
     w.in.r = S(0);
     w.stay(0.4, 0);
   }
-  CHECK(w.state.astray == Astray::kSpins);
+  CHECK(w.state.loss == StationLoss::kSpins);
 }
 
 TEST_CASE_TEMPLATE("beside a slot at rest the boat is in it where the law leaves it alone", S,

@@ -98,11 +98,11 @@ class WatchedBoat {
     static constexpr std::array<app::StoredLog, 4> kList{{{0, 1}, {200, 2}, {99'999, 3}, {7, 4}}};
     static constexpr std::array<std::uint8_t, 500> kBytes{1, 2, 3};
     const Guard guard;
-    const auto wish = boat_.logs().wish();
-    if (!wish) return;
-    if (wish->list) return boat_.logs().bring_list(kList);
-    const std::size_t at = std::min<std::size_t>(wish->offset, kBytes.size());
-    boat_.logs().bring(*wish, std::span(kBytes).subspan(at));
+    const auto request = boat_.logs().request();
+    if (!request) return;
+    if (request->list) return boat_.logs().bring_list(kList);
+    const std::size_t at = std::min<std::size_t>(request->offset, kBytes.size());
+    boat_.logs().bring(*request, std::span(kBytes).subspan(at));
   }
 
   void judge_bus(std::span<const link::CanFrame> frames, std::int64_t now_us) {

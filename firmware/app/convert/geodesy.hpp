@@ -38,7 +38,7 @@ class Plane {
   /// A point at sea level, relative to the plane's origin.
   NorthEastDown local_of(const Vec3& point) const;
 
-  /// The point of the sea straight below.
+  /// The sea-level point below.
   Vec3 sea_level(const NorthEast& local) const;
 
   /// Clockwise angle from this plane's north to the other's, rad: about −Δλ sin φ, a quarter of a

@@ -10,7 +10,7 @@
 namespace flotilla::app::convert {
 namespace {
 
-/// The greatest thrusts that both propellers can give: the weaker one's.
+/// Thrust limits of the weaker propeller.
 template <class S>
 core::AllocationParams<S> propellers_of(const Parameters& p) {
   const float share = 1 - std::abs(p.THR_BALANCE);

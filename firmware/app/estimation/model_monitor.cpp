@@ -12,7 +12,7 @@ constexpr int kLeastBlocks = 12;    // a minute
 constexpr float kTurnShare = 0.6F;  // of LAW_R_MAX
 // Greatest change per block of 5 s: 5 % of a propeller's thrust and 12 % of the drag in a minute.
 constexpr float kBalanceStep = 0.004F, kDragStep = 0.01F;
-constexpr float kMostBalance = 0.3F, kLeastDrag = 0.4F, kMostDrag = 2.5F;
+constexpr float kMaxBalance = 0.3F, kLeastDrag = 0.4F, kMaxDrag = 2.5F;
 
 /// Sizes from which an error is reported, above and below 0; greatest standard deviation of an
 /// error that counts as known.
@@ -114,12 +114,11 @@ bool ModelMonitor::apply() {
   const float choice = numbers_[0];
   if (choice >= 1) {
     balance = step(Number::kBalance, core::balance_error(state_).value, kBalanceStep);
-    balance =
-        std::clamp(balance_applied_ + balance, -kMostBalance, kMostBalance) - balance_applied_;
+    balance = std::clamp(balance_applied_ + balance, -kMaxBalance, kMaxBalance) - balance_applied_;
   }
   if (choice >= 2) {
     drag = step(Number::kDrag, core::drag_error(state_).value, kDragStep);
-    drag = std::clamp(drag_applied_ * (1 + drag), kLeastDrag, kMostDrag) / drag_applied_ - 1;
+    drag = std::clamp(drag_applied_ * (1 + drag), kLeastDrag, kMaxDrag) / drag_applied_ - 1;
   }
   if (balance == 0 && drag == 0) return false;
   balance_applied_ += balance;

@@ -98,13 +98,13 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
   if (!fix) return;
   response_.take_fix(fix->nu);
   std::int64_t age_us = track_.age_us(now_us).value_or(0);
-  if (latency_.estimates() && finds_latency(*fix, age_us)) {
+  if (latency_.estimates() && update_latency(*fix, age_us)) {
     track_.set_lag(latency_.lag_us());
     age_us = track_.age_us(now_us).value_or(0);
   }
   const auto [way, near] = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion().moved_n;
-  core::observer_correct(careful(law.observer), vessel, observer_,
+  core::observer_correct(adjusted_for_latency(law.observer), vessel, observer_,
                          {{way.x + moved.x, way.y + moved.y},
                           fix->psi,
                           fix->nu,
@@ -121,7 +121,7 @@ void OwnMotion<S>::push_moment() {
 /// True if the latency that is compensated for has changed. Fixes closer together than a tenth of a
 /// second add little information.
 template <class S>
-bool OwnMotion<S>::finds_latency(const core::TrackMessage<S>& fix, std::int64_t age_us) {
+bool OwnMotion<S>::update_latency(const core::TrackMessage<S>& fix, std::int64_t age_us) {
   const bool goes_on = S(0) < fix.dt && fix.dt < S(0.5);
   since_fix_ = goes_on ? since_fix_ + fix.dt : S(0);
   if (goes_on && since_fix_ < S(0.095)) return false;
@@ -145,7 +145,8 @@ void OwnMotion<S>::carry(std::int64_t now_us) {
 /// Averages fixes with uncompensated latency over a longer time: a boat that follows each fix at
 /// once would keep correcting its own past turn.
 template <class S>
-core::ObserverParams<S> OwnMotion<S>::careful(const core::ObserverParams<S>& params) const {
+core::ObserverParams<S> OwnMotion<S>::adjusted_for_latency(
+    const core::ObserverParams<S>& params) const {
   core::ObserverParams<S> out = params;
   if (!latency_.estimates()) return out;
   out.T = out.T + convert::scalar<S>(1.5F * latency_.uncompensated_s());

@@ -68,8 +68,8 @@ class OwnMotion {
   bool may_be_own(std::size_t link, std::int64_t now_us) const;
   void carry(std::int64_t now_us);
   void push_moment();
-  bool finds_latency(const core::TrackMessage<S>& fix, std::int64_t age_us);
-  core::ObserverParams<S> careful(const core::ObserverParams<S>& params) const;
+  bool update_latency(const core::TrackMessage<S>& fix, std::int64_t age_us);
+  core::ObserverParams<S> adjusted_for_latency(const core::ObserverParams<S>& params) const;
 
   VesselTrack<S> track_;
   std::optional<std::size_t> named_link_, link_;  // NAV_LINK; the link that brings the states

@@ -13,8 +13,8 @@ namespace flotilla::app {
 namespace {
 
 using Now = std::span<const std::optional<FleetSlot>>;
-constexpr std::size_t kMost = FleetTable::kMost;
-constexpr double kShortest_s = 10;  // a boat turns round and back meanwhile
+constexpr std::size_t kMax = FleetTable::kMax;
+constexpr double kShortest_s = 10;  // time for a boat to turn round and back
 
 struct Way {
   double x = 0, y = 0;  ///< cm
@@ -26,10 +26,10 @@ Way way_of(const FleetSlot& to, const FleetSlot& from = {}) {
 }
 double length(const Way& d) { return std::sqrt(d.x * d.x + d.y * d.y); }
 
-/// Who gets which of `count` places, so that the sum of `cost` is least.
+/// Assignment of `count` members to as many places with the least sum of `cost`.
 class Matching {
  public:
-  Matching(std::size_t count, const std::array<std::array<double, kMost>, kMost>& cost)
+  Matching(std::size_t count, const std::array<std::array<double, kMax>, kMax>& cost)
       : count_(count), cost_(cost) {
     row_of_.fill(count);
     for (std::size_t row = 0; row < count; ++row) add(row);
@@ -40,12 +40,12 @@ class Matching {
  private:
   /// Gives `row` a column along the shortest path of exchanges.
   void add(std::size_t row) {
-    std::array<double, kMost> far{};
-    std::array<std::size_t, kMost> before{};
-    std::array<bool, kMost> done{};
+    std::array<double, kMax> far{};
+    std::array<std::size_t, kMax> before{};
+    std::array<bool, kMax> done{};
     far.fill(std::numeric_limits<double>::max());
     before.fill(count_);
-    std::size_t last = count_;  // the column that the path has come to
+    std::size_t last = count_;  // last column of the path
     double walked = 0;
     for (std::size_t at = row; at < count_; at = row_of_[last]) {
       std::size_t next = count_;
@@ -71,15 +71,15 @@ class Matching {
   }
 
   std::size_t count_;
-  const std::array<std::array<double, kMost>, kMost>& cost_;
-  std::array<std::size_t, kMost> row_of_{};
-  std::array<double, kMost> of_row_{}, of_column_{};  // prices
+  const std::array<std::array<double, kMax>, kMax>& cost_;
+  std::array<std::size_t, kMax> row_of_{};
+  std::array<double, kMax> of_row_{}, of_column_{};  // prices
 };
 
-/// Gives the places of the members at `ranks` to them anew.
+/// Reassigns the places of the members at `ranks` among them.
 void match(FleetTable& table, Now now, std::span<const std::size_t> ranks) {
-  std::array<std::array<double, kMost>, kMost> cost{};
-  std::array<FleetSlot, kMost> places{};
+  std::array<std::array<double, kMax>, kMax> cost{};
+  std::array<FleetSlot, kMax> places{};
   for (std::size_t i = 0; i < ranks.size(); ++i) {
     places[i] = table.members[ranks[i]].slot_cm;
     for (std::size_t k = 0; k < ranks.size(); ++k) {
@@ -94,9 +94,9 @@ void match(FleetTable& table, Now now, std::span<const std::size_t> ranks) {
   }
 }
 
-FleetTable matched(const FleetTable& wanted, Now now, bool all) {
-  FleetTable table = wanted;
-  std::array<std::size_t, kMost> ranks{};
+FleetTable matched(const FleetTable& requested, Now now, bool all) {
+  FleetTable table = requested;
+  std::array<std::size_t, kMax> ranks{};
   std::size_t count = 0;
   for (std::size_t rank = 0; rank < table.count; ++rank) {
     const FleetMember& member = table.members[rank];
@@ -106,7 +106,7 @@ FleetTable matched(const FleetTable& wanted, Now now, bool all) {
   return table;
 }
 
-/// By how much two boats stay farther apart on their ways than two hulls, cm; the least. The
+/// Least clearance between any two boats during the move, beyond two hull lengths, cm. The
 /// separation filter delays boats that pass nearer.
 double room_cm(const FleetTable& table, Now now) {
   double least = std::numeric_limits<double>::max();
@@ -127,14 +127,14 @@ double room_cm(const FleetTable& table, Now now) {
   return least;
 }
 
-/// Velocity over ground of a place, m/s; it and `place`, from the root's place, in the shape's axes.
+/// Velocity over ground of a place, m/s, in the shape's axes. `place`: relative to the root's, cm.
 Way velocity(bool turns, const Way& place, const FleetCourse& root) {
   const double u = root.ahead_mps, r = root.turn_radps;
   if (turns) return {u - r * place.y / 100, r * place.x / 100};
   return {u * std::cos(double{root.heading_rad}), u * std::sin(double{root.heading_rad})};
 }
 
-/// How long the way d takes at full speed, s, where the shape moves with v.
+/// Duration of the path d, s, at full speed in a shape that moves with v.
 double lasts_s(const Way& d, const Way& v, double most_mps) {
   const double far_cm = length(d);
   if (far_cm < 1) return 0;
@@ -144,8 +144,7 @@ double lasts_s(const Way& d, const Way& v, double most_mps) {
   return far_cm / 100 / std::max(mps, 0.1);
 }
 
-/// How long the slowest way takes if the root sails as at one instant, s; ways are relative to the
-/// root's.
+/// Duration of the slowest path relative to the root, s, if the root keeps this motion.
 double slowest_s(const FleetTable& table, Now now, std::size_t root, const FleetCourse& course,
                  double most_mps) {
   const FleetSlot& root_to = table.members[root].slot_cm;
@@ -163,7 +162,7 @@ double slowest_s(const FleetTable& table, Now now, std::size_t root, const Fleet
   return slowest;
 }
 
-/// Times for the slowest way, s, if the root sailed as in one sample of its outlook, for each sample.
+/// For each outlook sample: duration of the slowest path if the root keeps that motion, s.
 class Slowest {
  public:
   Slowest(const FleetTable& table, Now now, std::size_t root, const FleetOutlook& outlook,
@@ -178,7 +177,7 @@ class Slowest {
 
   bool moves() const { return moves_; }
 
-  /// The longest of these times between two times of the move; at least kShortest_s.
+  /// The longest of these durations between two times of the move; at least kShortest_s.
   double between(double from_s, double to_s) const {
     const double end = static_cast<double>(count_) - 1;
     const auto sample = [&](double number) {
@@ -190,13 +189,14 @@ class Slowest {
   }
 
  private:
-  std::array<double, FleetOutlook::kMost> at_s_{};
+  std::array<double, FleetOutlook::kMax> at_s_{};
   double in_s_;
   std::size_t count_;
   bool moves_ = false;
 };
 
-/// The quickest pace at which no place is ever too fast. A longer move spans more of the plan.
+/// The quickest pace at which no place is ever too fast. A longer move spans more of the outlook,
+/// which may need a slower pace still.
 FleetPace quickest(const Slowest& slowest) {
   FleetPace best;
   const auto until_slow_enough = [](double all_s, auto needs_s) {
@@ -207,7 +207,7 @@ FleetPace quickest(const Slowest& slowest) {
   };
   best.all_s =
       until_slow_enough(0, [&](double all_s) { return slowest.between(0, all_s) + kMoveRamp_s; });
-  for (std::size_t k = 1; k < FleetOutlook::kMost; ++k) {
+  for (std::size_t k = 1; k < FleetOutlook::kMax; ++k) {
     const double first_s = static_cast<double>(k) * FleetOutlook::kEvery_s;
     if (first_s < 1.5 * kMoveRamp_s) continue;
     const double exact =
@@ -229,11 +229,11 @@ std::uint16_t tenths(double s) {
 
 }  // namespace
 
-FleetTable assigned(const FleetTable& wanted, Now now, std::size_t root,
+FleetTable assigned(const FleetTable& requested, Now now, std::size_t root,
                     const FleetOutlook& outlook, double in_s) {
-  FleetTable table = matched(wanted, now, false);
+  FleetTable table = matched(requested, now, false);
   if (const double room = room_cm(table, now); room < 0) {
-    const FleetTable free = matched(wanted, now, true);
+    const FleetTable free = matched(requested, now, true);
     if (room_cm(free, now) > room) table = free;
   }
   table.assigns = false;

@@ -12,28 +12,27 @@ constexpr std::uint8_t kFit = 1, kLeads = 2;
 
 // With eight boats' signed beacons: 253 bytes a second, 4.4 % of 57,600 Bd.
 constexpr std::int64_t kBeacon_us = 1'200'000;
-// A change is told at once, and again, so that a bad radio does not hold it back.
+// A change is sent at once and repeated, because radios lose packets.
 constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
-// A boat that lacks the newest table gets it from the first member whose turn it is.
+// A boat without the newest table gets it from the member with the earliest turn.
 constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 // Beyond FS_LEADER_S: by then a follower already coasts.
 constexpr std::int64_t kMore_us = 200'000;
-// Only the leader knows its plan: another boat that hears a request leaves it that long to it.
+// Other boats wait this long before they answer a request: only the leader knows its plan.
 constexpr std::int64_t kLeaders_us = 1'500'000;
-// A boat without a place does not know where the others begin. It leaves a request to them for this
-// time, and meanwhile gets their table.
+// A boat without a place does not know the others' places. It waits this long before it answers a
+// request, and meanwhile receives their table.
 constexpr std::int64_t kMembers_us = 6'000'000;
-// A boat gets a newer table within this time, if any member holds it. After that, a member that still
-// names the greater epoch is faulty: it no longer counts as a leader.
+// A boat gets a newer table within this time if any member holds it. A member that still reports
+// the greater epoch afterwards is faulty and no longer counts as a leader.
 constexpr std::uint32_t kAhead_ms = 10'000;
-// No link is slower than another by more. Later, a smaller number is that of a boat that was started
-// anew.
+// Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
-// While a shape changes the slots are set anew that often; between, the law has their speed.
+// Interval of slot updates during a move; between updates the law uses their velocity.
 constexpr std::int64_t kMove_us = 200'000;
 constexpr auto kTurnAhead_us = static_cast<std::int64_t>(1e6 * kTurnAhead_s);
-static_assert(kTurnAhead_us % kMove_us == 0);  // or slots would be set anew twice as often
-// Until boats have turned to the leader's course again, and are in their new slots.
+static_assert(kTurnAhead_us % kMove_us == 0);  // or slots would be updated twice as often
+// Time for boats to turn back to the leader's course and settle in their new slots.
 constexpr double kSettle_s = 15;
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
@@ -47,9 +46,8 @@ bool is_of(const FleetTable& table, std::uint8_t system) {
   return table.rank_of(system).has_value();
 }
 
-/// Whether a boat hears so many that they are more than half of the table with it. A smaller part
-/// may be cut off from one that still sails the plan: it waits, so that the two do not sail on one
-/// line.
+/// Whether the boat and the members that it hears are more than half of the table. A smaller part
+/// may be cut off from one that still sails the plan, so it waits instead of sailing the same line.
 bool is_most(const FleetTable& table, std::size_t own, std::span<const FleetPeer> peers) {
   std::size_t heard = 1;
   for (std::size_t rank = 0; rank < table.count; ++rank) {
@@ -74,7 +72,7 @@ void Fleet::hear(const link::Received& received, Trust trust, std::int64_t now_u
   const auto* beacon = std::get_if<link::FleetBeacon>(&received.message);
   if (const auto rank = rank_in(ledger_.current(), received.from.system)) {
     Heard& heard = heard_[*rank];
-    if (beacon != nullptr && is_overtaken(heard, *beacon, now_us)) return;
+    if (beacon != nullptr && note_beacon(heard, *beacon, now_us)) return;
     if (beacon != nullptr) heard.component = received.from.component;
     const bool speaks = heard.component == 0 || heard.component == received.from.component;
     if (speaks) heard.at_us = now_us;
@@ -86,8 +84,8 @@ void Fleet::hear(const link::Received& received, Trust trust, std::int64_t now_u
   }
 }
 
-/// Whether a later one of that boat came before, by a faster link. Notes the latest one's number.
-bool Fleet::is_overtaken(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
+/// Records the beacon's number; true if a newer one arrived first, on a faster link.
+bool Fleet::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
   const auto now_ds = static_cast<std::uint16_t>(now_us / 100'000);
   const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
@@ -97,8 +95,8 @@ bool Fleet::is_overtaken(Heard& heard, const link::FleetBeacon& beacon, std::int
   return false;
 }
 
-/// Accepts it from an operator, and from a member of the table that is held; the first one from a
-/// trusted member of its own.
+/// Accepts a table from an operator or a current member; a first table also from a trusted sender
+/// that it lists.
 void Fleet::take(const link::Received& received, const link::FleetTable& message, Trust trust,
                  std::int64_t now_us) {
   FleetTable table = table_of(message);
@@ -108,7 +106,7 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
                                : trust == Trust::kMember && is_of(table, received.from.system);
   if (trust != Trust::kCommands && (table.assigns || !from_member)) return;
   if (table.epoch == held.epoch && table.digest == held.digest) passed_us_ = now_us;
-  stops_ = stops_ || is_stop(table);  // whatever else is wrong with it
+  stops_ = stops_ || is_stop(table);  // even if the table is refused below
   if (const TableVerdict verdict = verdict_of(table); verdict.fault != TableFault::kNone) {
     refusal_ = verdict;
     return;
@@ -116,26 +114,26 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
   const std::int64_t valid_us = now_us + 1000 * in_ms_of(message);
   if (!table.assigns) {
     take(table, valid_us, now_us);
-  } else if (table.epoch > held.epoch && !(wish_ && table.epoch <= wish_->table.epoch)) {
-    if (const auto wait_us = gives_in(table)) wish_ = {table, valid_us, now_us + *wait_us};
+  } else if (table.epoch > held.epoch && !(request_ && table.epoch <= request_->table.epoch)) {
+    if (const auto wait_us = gives_in(table)) request_ = {table, valid_us, now_us + *wait_us};
   }
 }
 
-/// How long this boat leaves a request to boats that know more; nothing: it never answers.
-std::optional<std::int64_t> Fleet::gives_in(const FleetTable& wanted) const {
+/// How long this boat leaves a request to boats that know more; nullopt: it never answers.
+std::optional<std::int64_t> Fleet::gives_in(const FleetTable& requested) const {
   const bool has_place = rank_in(ledger_.current(), system_).has_value();
-  if (!has_place) return is_of(wanted, system_) ? std::optional(kMembers_us) : std::nullopt;
+  if (!has_place) return is_of(requested, system_) ? std::optional(kMembers_us) : std::nullopt;
   return succession_.leads() || succession_.leader() == Succession::kNobody ? 0 : kLeaders_us;
 }
 
 void Fleet::take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us) {
   if (!ledger_.take(table, valid_us, now_us)) return;
-  if (wish_ && wish_->table.epoch <= table.epoch) wish_.reset();
-  beacon_us_ = now_us;  // who lacks it asks
+  if (request_ && request_->table.epoch <= table.epoch) request_.reset();
+  beacon_us_ = now_us;  // the beacon tells others that a newer table exists
   table_us_ = kNever;
 }
 
-/// Whether it orders this boat to stop: as its member, or as one of a table that it replaces.
+/// Whether the table orders this boat to stop: as its member, or a member of the replaced table.
 bool Fleet::is_stop(const FleetTable& table) const {
   const FleetTable& held = ledger_.newest();
   return table.stop && is_newer(table.epoch, table.digest, held) &&
@@ -143,20 +141,20 @@ bool Fleet::is_stop(const FleetTable& table) const {
 }
 
 void Fleet::give_places(const FleetOutlook& outlook, std::int64_t now_us) {
-  const Wish wish = *std::exchange(wish_, std::nullopt);
-  const std::int64_t valid_us = std::max(wish.valid_us, now_us);
-  std::array<std::optional<FleetSlot>, FleetTable::kMost> places;
-  std::ranges::transform(wish.table.all(), places.begin(), [&](const FleetMember& member) {
+  const Request request = *std::exchange(request_, std::nullopt);
+  const std::int64_t valid_us = std::max(request.valid_us, now_us);
+  std::array<std::optional<FleetSlot>, FleetTable::kMax> places;
+  std::ranges::transform(request.table.all(), places.begin(), [&](const FleetMember& member) {
     const auto place = place_of(member.system, valid_us);
     return place ? std::optional(rest_of(*place, fades_s(valid_us, kMoveRamp_s))) : std::nullopt;
   });
   const std::size_t leader = succession_.leader();
   const auto root = leader == Succession::kNobody
                         ? std::nullopt
-                        : wish.table.rank_of(ledger_.current()->members[leader].system);
-  const FleetTable given = assigned(wish.table, places, root.value_or(0), outlook,
+                        : request.table.rank_of(ledger_.current()->members[leader].system);
+  const FleetTable given = assigned(request.table, places, root.value_or(0), outlook,
                                     1e-6 * static_cast<double>(valid_us - now_us));
-  // Hulls differ: places that suit the boats of the request may be too near for others.
+  // Hulls differ: places far enough apart for one assignment may be too near for another.
   if (const TableVerdict verdict = verdict_of(given); verdict.fault != TableFault::kNone) {
     refusal_ = verdict;
   } else {
@@ -169,11 +167,12 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   if (held.epoch == 0) {
     if (beacon.epoch != 0) {
       asks_ = true;
-      if (wish_ && is_of(wish_->table, from)) wish_.reset();  // others know more
+      // A member has a table: leave the request to it.
+      if (request_ && is_of(request_->table, from)) request_.reset();
     }
     return;
   }
-  // A boat that the newest table leaves out needs it too: otherwise it may take over from the leader.
+  // A boat that the newest table omits needs it too, or it might take over from the leader.
   if (!is_of(held, from) && !ledger_.replaces(beacon.epoch, beacon.digest)) return;
   FleetTable theirs;
   theirs.epoch = beacon.epoch;
@@ -181,7 +180,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   const bool lacks = is_newer(held.epoch, held.digest, theirs);
   if (lacks && table_us_ == kNever && now_us - passed_us_ > kPassed_us / 4) {
     const auto own = held.rank_of(system_);
-    // Not always the same is first: the boat that asks may not hear that one.
+    // The order rotates, because the requester may not hear the first member.
     table_us_ = now_us + kTurn_us * static_cast<std::int64_t>((own.value_or(0) + beacon.sequence) %
                                                               held.count);
   }
@@ -202,14 +201,14 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   }
 }
 
-/// Members' last beacons stay valid in a new table. A boat that gets it late is in step with the
-/// others at once.
+/// Members' last beacons stay valid in a new table. The move counts from the table's own time, so a
+/// boat that gets the table late joins in at once.
 void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   const std::int64_t begun_us = std::min(now_us, ledger_.valid_us());
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
   const FleetTable next = ledger_.newest();
-  std::array<FleetSlot, FleetTable::kMost> from_cm{};
-  std::array<FleetSlot, FleetTable::kMost> carried_cmps{};
+  std::array<FleetSlot, FleetTable::kMax> from_cm{};
+  std::array<FleetSlot, FleetTable::kMax> carried_cmps{};
   const double fades = fades_s(begun_us, 0.1 * next.move_ds / 2);
   for (std::size_t rank = 0; rank < next.count; ++rank) {
     const FleetMember& member = next.members[rank];
@@ -223,7 +222,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   from_cm_ = from_cm;
   carried_cmps_ = carried_cmps;
   fades_s_ = fades;
-  // In step with the old move, whose places stand still between two instants.
+  // Starts on the old move's time grid: places change only at grid instants.
   begun_us_ = before.count > 0 ? begun_us - (begun_us - begun_us_) % kMove_us : begun_us;
   const auto peers = std::exchange(peers_, {});
   const auto heard = std::exchange(heard_, {});
@@ -233,7 +232,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
       peers_[rank] = peers[*was];
       heard_[rank] = heard[*was];
     } else if (!table.members[rank].only_leads) {
-      // Its beacons did not count yet: it is replaced only if it stays silent.
+      // A new member counts as fit and just heard until it falls silent.
       peers_[rank].fit = true;
       heard_[rank].at_us = now_us;
     }
@@ -241,15 +240,15 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   by_parameters_ = own;
   by_hand_ = false;
   if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
-    // Whom it followed may follow it now.
-    hang_ = is_of(table, own.leader) ? std::optional(Hang{}) : std::nullopt;
+    // Its former leader may be its follower now.
+    attachment_ = is_of(table, own.leader) ? std::optional(Attachment{}) : std::nullopt;
     changed_ = true;
   }
   succession_.begin(table);
   told_epoch_ = table.epoch;
 }
 
-void Fleet::listen(std::int64_t limit_us, std::int64_t now_us) {
+void Fleet::update_peers(std::int64_t limit_us, std::int64_t now_us) {
   const FleetTable& table = *ledger_.current();
   for (std::size_t rank = 0; rank < table.count; ++rank) {
     const Heard& heard = heard_[rank];
@@ -265,14 +264,14 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   system_ = report.system;
   if (ledger_.is_due(now_us)) begin(own, now_us);
   FleetOrder order = FleetOrder::kNone;
-  std::optional<Hang> next;
+  std::optional<Attachment> next;
   SlotMotion slot_motion;
   const FleetTable* table = ledger_.current();
   const core::State state = report.state;
   const bool drives = core::law_drives(state) || state == core::State::kManual;
   by_hand_ = by_hand_ || !same(own, by_parameters_);
   if (const auto rank = rank_in(table, system_)) {
-    listen(leader_limit_us + kMore_us, now_us);
+    update_peers(leader_limit_us + kMore_us, now_us);
     const bool follows = core::follows(state);
     const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
     const bool alone = core::sails_alone(state);
@@ -287,16 +286,16 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
     const bool tells_no_plan = leader < table->count && table->members[leader].only_leads;
     const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_);
     if (tells_no_plan || waits) place_ = {};
-    next = by_hand_ ? std::nullopt : hang(*rank, now_us);
+    next = by_hand_ ? std::nullopt : attachment(*rank, now_us);
     if (next) slot_motion = this->slot_motion(*rank, now_us);
   } else {
     succession_ = {};
   }
   state_ = state;
-  changed_ = changed_ || next != hang_ || slot_motion != slot_motion_;
+  changed_ = changed_ || next != attachment_ || slot_motion != slot_motion_;
   slot_motion_ = slot_motion;
-  hang_ = next;
-  speak(report, now_us);
+  attachment_ = next;
+  update_beacon(report, now_us);
   return stops_ ? FleetOrder::kStop : order;
 }
 
@@ -310,7 +309,7 @@ double Fleet::since_s(std::int64_t now_us) const {
   return 1e-6 * static_cast<double>(steps * kMove_us);
 }
 
-/// Of the way to the new places.
+/// Progress of the move to the new places.
 FleetMove Fleet::move(std::int64_t now_us) const {
   const FleetTable& table = *ledger_.current();
   return move_at(since_s(now_us),
@@ -323,15 +322,14 @@ bool Fleet::moves(std::int64_t now_us) const {
          since_s(now_us) < 0.1 * table->move_ds + kSettle_s;
 }
 
-/// In which time the places' present speed can fade out, `most_s` at the most: none shall pass its
-/// goal meanwhile.
+/// Time to fade out the present speed, at most `most_s`, so that no place overshoots its goal.
 double Fleet::fades_s(std::int64_t now_us, double most_s) const {
   const FleetTable* table = ledger_.current();
   const double left_s = table != nullptr ? 0.1 * table->move_ds - since_s(now_us) : 0;
   return std::min({kMoveRamp_s, most_s, std::max(left_s, 0.0)});
 }
 
-/// A member's place as it is now; nothing for others.
+/// A member's place at now_us; nullopt for other systems.
 std::optional<Fleet::Place> Fleet::place_of(std::uint8_t system, std::int64_t now_us) const {
   const auto rank = rank_in(ledger_.current(), system);
   if (!rank) return std::nullopt;
@@ -348,7 +346,7 @@ std::optional<Fleet::Place> Fleet::place_of(std::uint8_t system, std::int64_t no
   return place;
 }
 
-/// Where a place comes to rest that stops within so many seconds.
+/// Where a place comes to rest if its speed falls linearly to 0 in fades_s.
 FleetSlot Fleet::rest_of(const Place& place, double fades_s) {
   return rounded(
       {place.cm[0] + place.cmps[0] * fades_s / 2, place.cm[1] + place.cmps[1] * fades_s / 2});
@@ -372,27 +370,27 @@ SlotMotion Fleet::slot_motion(std::size_t own, std::int64_t now_us) const {
   return out;
 }
 
-/// The leader of the law, 0 for none: nothing leaves what the parameters say.
-std::optional<Fleet::Hang> Fleet::hang(std::size_t own, std::int64_t now_us) const {
+/// Leader and slot from the table; nullopt: use the parameters.
+std::optional<Fleet::Attachment> Fleet::attachment(std::size_t own, std::int64_t now_us) const {
   const FleetTable& table = *ledger_.current();
   const auto followed = succession_.followed();
-  if (!followed) return hang_;  // it leads, or knows no leader: as before
+  if (!followed) return attachment_;  // it leads, or knows no leader: unchanged
   const std::uint8_t leader = table.members[*followed].system;
   const auto here = place_of(table.members[own].system, now_us)->cm;
   const auto there = place_of(leader, now_us)->cm;
   const auto metres = [&](std::size_t axis) {
     return static_cast<float>(std::round(here[axis] - there[axis])) / 100;
   };
-  return Hang{leader, metres(0), metres(1), table.turns};
+  return Attachment{leader, metres(0), metres(1), table.turns};
 }
 
 Parameters Fleet::applied(const Parameters& own) const {
   Parameters out = own;
-  if (hang_) {
-    out.FORM_LEADER = hang_->leader;
-    out.FORM_OFS_N = hang_->north_m;
-    out.FORM_OFS_E = hang_->east_m;
-    out.FORM_FRAME = hang_->turns ? 1.0F : 0.0F;
+  if (attachment_) {
+    out.FORM_LEADER = attachment_->leader;
+    out.FORM_OFS_N = attachment_->north_m;
+    out.FORM_OFS_E = attachment_->east_m;
+    out.FORM_FRAME = attachment_->turns ? 1.0F : 0.0F;
   }
   return out;
 }
@@ -403,7 +401,7 @@ bool Fleet::may_claim(std::uint8_t system) const {
 }
 
 /// A beacon that differs from the last one is due at once.
-void Fleet::speak(const FleetReport& report, std::int64_t now_us) {
+void Fleet::update_beacon(const FleetReport& report, std::int64_t now_us) {
   const FleetTable& newest = ledger_.newest();
   link::FleetBeacon now{};
   now.sequence = told_.sequence;
@@ -413,7 +411,7 @@ void Fleet::speak(const FleetReport& report, std::int64_t now_us) {
     const bool fit = core::follows(report.state) && report.fit && !by_hand_;
     const bool leads = succession_.leads();
     now.flags = static_cast<std::uint8_t>((fit ? kFit : 0U) | (leads ? kLeads : 0U));
-    now.leader = leads || !hang_ ? std::uint8_t{0} : hang_->leader;
+    now.leader = leads || !attachment_ ? std::uint8_t{0} : attachment_->leader;
     now.plan_id = place_.plan_id;
     now.plan_item = place_.item;
   }

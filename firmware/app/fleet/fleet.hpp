@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat as a member of a fleet: keeps the table, hears the other members, says who leads.
-// firmware/docs/FLEET.md explains it.
+// The boat as a member of a fleet: keeps the table, hears the other members, determines the
+// leader. firmware/docs/FLEET.md explains it.
 #pragma once
 
 #include <array>
@@ -32,64 +32,64 @@ struct FleetReport {
   FleetPlace place;  ///< of its own plan
 };
 
-/// Without a table it does nothing, but for asking for one where others speak of one.
+/// Inactive without a table; requests one when a beacon mentions one.
 class Fleet {
  public:
-  /// Of a message's sender: it may command the boat; it may give it a first table as a member.
+  /// Rights of a sender: may command; may, as a member, supply the first table.
   enum class Trust : std::uint8_t { kNone, kMember, kCommands };
 
   /// Any message.
   void hear(const link::Received& received, Trust trust, std::int64_t now_us);
 
-  /// Places are to be given to the members, by a boat that knows how the root will sail.
-  bool asks_outlook(std::int64_t now_us) const { return wish_ && now_us >= wish_->due_us; }
+  /// A request to assign places is due; give_places() needs the root's predicted motion.
+  bool asks_outlook(std::int64_t now_us) const { return request_ && now_us >= request_->due_us; }
   void give_places(const FleetOutlook& outlook, std::int64_t now_us);
 
-  /// Decides anew; once a tick. `own`: as the parameters have it; a change by an operator takes the
-  /// boat out of the table's rule until the next table.
+  /// One step per tick. `own`: the configured formation; if an operator changes it, the boat
+  /// ignores the table until the next one.
   FleetOrder step(const FleetReport& report, const Configuration::Formation& own,
                   std::int64_t leader_limit_us, std::int64_t now_us);
 
-  /// The boat has obeyed kStop, which is ordered until then.
+  /// Confirms kStop, which is repeated until this call.
   void stopped();
 
   /// applied() has changed since the last call.
-  bool take_change() { return std::exchange(changed_, false); }
+  [[nodiscard]] bool take_change() { return std::exchange(changed_, false); }
 
-  /// The parameters, with leader and slot by the table if there is one.
+  /// The parameters, with leader and slot from the table if there is one.
   Parameters applied(const Parameters& own) const;
 
-  /// False for a system that is no member of the table that gives the boat its slot.
+  /// False for a system outside the table that assigns this boat its slot.
   bool may_claim(std::uint8_t system) const;
 
-  /// How the slot moves while the shape changes.
+  /// The slot's motion while the shape changes.
   const SlotMotion& slot_motion() const { return slot_motion_; }
 
-  /// The shape changes: places are on their way, or boats still settle in them.
+  /// The shape changes: places move, or boats still settle in them.
   bool moves(std::int64_t now_us) const;
 
-  /// How far the fleet's last leader was in its plan; no plan if it sailed none, or had paused it.
+  /// Plan and item that the last leader reported; none if it sailed no plan, or had paused it.
   const FleetPlace& place() const { return place_; }
 
   /// Messages that are due.
   std::optional<link::FleetBeacon> beacon(std::int64_t now_us);
   std::optional<link::FleetTable> table(std::int64_t now_us);
 
-  /// News for the operator since the last call: a refused table; the epoch of one in force.
+  /// For the operator, since the last call: a refused table; the epoch of one that came into force.
   std::optional<TableVerdict> take_refusal() { return std::exchange(refusal_, std::nullopt); }
   std::optional<std::uint16_t> take_epoch() { return std::exchange(told_epoch_, std::nullopt); }
 
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
-  struct Hang {
+  struct Attachment {
     std::uint8_t leader = 0;
     float north_m = 0, east_m = 0;
     bool turns = false;
-    bool operator==(const Hang&) const = default;
+    bool operator==(const Attachment&) const = default;
   };
 
-  /// A request to give the places.
-  struct Wish {
+  /// A request to assign the places.
+  struct Request {
     FleetTable table;
     std::int64_t valid_us = 0, due_us = 0;
   };
@@ -98,9 +98,9 @@ class Fleet {
     std::array<double, 2> cm{}, cmps{}, cmps2{};
   };
 
-  /// A member sends its beacons and all else from one component; 0: no beacon was heard yet.
-  /// ahead_ms: since when it names a greater epoch than this boat's; 0: it does not. beacon_ds,
-  /// in 0.1 s, and sequence: of its latest beacon.
+  /// The last messages of a member. component sends its beacons; 0: none was heard yet. ahead_ms:
+  /// start of the time in which it reports a greater epoch than this boat's; 0: it does not.
+  /// beacon_ds, in 0.1 s, and sequence: of its latest beacon.
   struct Heard {
     std::int64_t at_us = kNever;
     std::uint32_t ahead_ms = 0;
@@ -113,34 +113,34 @@ class Fleet {
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   bool is_stop(const FleetTable& table) const;
-  static bool is_overtaken(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us);
-  std::optional<std::int64_t> gives_in(const FleetTable& wanted) const;
+  static bool note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us);
+  std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
   std::optional<Place> place_of(std::uint8_t system, std::int64_t now_us) const;
   static FleetSlot rest_of(const Place& place, double fades_s);
   double since_s(std::int64_t now_us) const;
   FleetMove move(std::int64_t now_us) const;
   double fades_s(std::int64_t now_us, double all_s) const;
   void begin(const Configuration::Formation& own, std::int64_t now_us);
-  void listen(std::int64_t limit_us, std::int64_t now_us);
-  std::optional<Hang> hang(std::size_t own, std::int64_t now_us) const;
+  void update_peers(std::int64_t limit_us, std::int64_t now_us);
+  std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;
   SlotMotion slot_motion(std::size_t own, std::int64_t now_us) const;
-  void speak(const FleetReport& report, std::int64_t now_us);
+  void update_beacon(const FleetReport& report, std::int64_t now_us);
 
   FleetLedger ledger_;
   Succession succession_;
-  std::array<FleetPeer, FleetTable::kMost> peers_{};
-  std::array<Heard, FleetTable::kMost> heard_{};  // by rank
-  bool stops_ = false;  // a table ordered a stop, which the boat has not obeyed yet
-  std::optional<Hang> hang_;
+  std::array<FleetPeer, FleetTable::kMax> peers_{};
+  std::array<Heard, FleetTable::kMax> heard_{};  // by rank
+  bool stops_ = false;                           // a table orders a stop, not yet confirmed
+  std::optional<Attachment> attachment_;
   Configuration::Formation by_parameters_;  // when the table came into force
   bool by_hand_ = false;
   bool changed_ = false;
   FleetPlace place_;
   core::State state_{};  // in the last step
-  std::optional<Wish> wish_;
-  // By rank: where the new ways begin, and the speed of the old ones, which fades out meanwhile.
-  std::array<FleetSlot, FleetTable::kMost> from_cm_{};
-  std::array<FleetSlot, FleetTable::kMost> carried_cmps_{};
+  std::optional<Request> request_;
+  // By rank: starts of the new paths, and the old paths' speeds, which fade out in fades_s_.
+  std::array<FleetSlot, FleetTable::kMax> from_cm_{};
+  std::array<FleetSlot, FleetTable::kMax> carried_cmps_{};
   double fades_s_ = 0;
   std::int64_t begun_us_ = 0;
   SlotMotion slot_motion_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tables that a boat holds: the one in force, and the one that comes next.
+// The tables that a boat holds: the one in force, and the next.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace flotilla::app {
 
-/// The newest table wins: the greater epoch, and of two with one epoch the greater digest, so that
-/// all boats choose the same. Times are the boat's own: a message says how long the table still
-/// waits, or how long it has been in force, and each boat that passes it on counts on.
+/// The newest table wins: the greater epoch, then the greater digest, so that all boats choose the
+/// same one. Times are by the boat's own clock: a message carries the time until, or since, the
+/// table comes into force, and a boat that relays it updates that time.
 class FleetLedger {
  public:
-  /// A sound table that comes into force at `valid_us`, one that stops all boats at once. False if
-  /// an older or the same one is held; of the same one the earliest time counts, as radios only
-  /// delay.
-  bool take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
+  /// Takes a valid table that comes into force at `valid_us`, or at once if it stops all boats.
+  /// False if it is not newer than the one held. For the same table the earliest time counts,
+  /// because radios only delay.
+  [[nodiscard]] bool take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
 
-  /// Whether a table comes into force; forward() puts it there, as a whole.
+  /// A table is due; forward() activates it.
   bool is_due(std::int64_t now_us) const { return next_ && now_us >= valid_us_; }
   void forward(std::int64_t now_us);
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// How places move from one shape to the next: as a share s of their ways, at two speeds, as fast as
-// the leader's plan permits before T₁ and after it.
+// Moves places from one shape to the next along straight paths, of which s is the share covered.
+// The leader's plan permits one speed before T₁ and another after it.
 //
 //   ṡ rises to v₁ in ρ, goes over to v₂ in ρ around T₁, and falls to 0 in ρ, until T
 //   v₁ = s₁ / (T₁ − ρ/2),  v₂ = (1 − s₁) / (T − T₁ − ρ/2)
-//   s₁: the share at T₁ if the ramp there took no time
+//   s₁: the share covered at T₁ if the ramp there took no time
 //   ρ = min(4 s, ⅔ T₁, ⅔ (T − T₁));   without T₁: T₁ = T/2, s₁ = ½, so that v₁ = v₂
 //
 // The ramps give a boat time to turn to its place's new course.
@@ -19,8 +19,8 @@ namespace flotilla::app {
 
 constexpr double kMoveRamp_s = 4;
 
-/// A boat of 1.2 m turns about in some 5 s while its place moves (guidance/moving_slot.hpp). It begins
-/// half of that time before its place reverses.
+/// A boat of 1.2 m turns about in some 5 s while its place moves (guidance/moving_slot.hpp), so it
+/// begins half of that time before its place reverses.
 constexpr double kTurnAhead_s = 2.4;
 
 struct FleetPace {
@@ -37,7 +37,7 @@ struct FleetMove {
 
 /// Velocity and acceleration of a slot relative to the fleet's leader, in the slot's axes.
 struct SlotMotion {
-  bool moves = false;  ///< or has just done so, and the boat may still turn
+  bool moves = false;  ///< moves, or has just moved, and the boat may still turn
   std::array<float, 2> mps{}, mps2{};
   std::array<float, 2> soon_mps{};  ///< velocity in kTurnAhead_s
   bool operator==(const SlotMotion&) const = default;

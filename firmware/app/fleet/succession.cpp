@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint32_t bit(std::size_t rank) { return std::uint32_t{1} << rank; }
 
-/// The member that leads by the higher (epoch, rank); kNobody if none does.
+/// The other member that leads with the highest (epoch, rank); kNobody if none does.
 std::size_t best_leader(const FleetTable& table, const FleetSelf& self,
                         std::span<const FleetPeer> peers) {
   std::size_t best = Succession::kNobody;
@@ -43,7 +43,7 @@ FleetOrder Succession::step(const FleetTable& table, const FleetSelf& self,
   if (self.by_hand || leads_) {
     followed_.reset();
   } else {
-    hang(table, self.rank);
+    attach_to_leader(table, self.rank);
   }
   return order(self);
 }
@@ -61,7 +61,7 @@ void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
 void Succession::choose(const FleetTable& table, const FleetSelf& self,
                         std::span<const FleetPeer> peers) {
   const bool led = std::exchange(leads_, false), took = taking_;
-  const bool goes_on = led && self.alone;  // another slot would not change its way
+  const bool goes_on = led && self.alone;  // a leader does not use its slot
   const bool can_lead =
       table.members[self.rank].can_lead && (!self.by_hand || goes_on) && !stopping_;
   const std::size_t other = best_leader(table, self, peers);
@@ -86,7 +86,7 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   under_way_ = self.drives && ((under_way_ && !resigns) || leader_ != kNobody);
 }
 
-/// No member with a higher rank is known to be fit to lead.
+/// No member before this one in the table is known to be fit to lead.
 bool Succession::first_fit(const FleetTable& table, std::size_t own,
                            std::span<const FleetPeer> peers) {
   for (std::size_t rank = 0; rank < own; ++rank) {
@@ -95,9 +95,9 @@ bool Succession::first_fit(const FleetTable& table, std::size_t own,
   return true;
 }
 
-/// The nearest member above that has not failed; the fleet's leader, if there is none or it is
-/// somebody else than the table's. While no leader is known, the boat keeps the one before.
-void Succession::hang(const FleetTable& table, std::size_t own) {
+/// Follows the nearest working ancestor, else the fleet's leader. Keeps the last choice while no
+/// leader is known.
+void Succession::attach_to_leader(const FleetTable& table, std::size_t own) {
   std::optional<std::size_t> above = table.rank_of(table.members[own].leader);
   while (above && *above != leader_ && (out_ & bit(*above)) != 0) {
     above = table.rank_of(table.members[*above].leader);
@@ -112,7 +112,7 @@ void Succession::hang(const FleetTable& table, std::size_t own) {
 }
 
 std::uint64_t Succession::code() const {
-  static_assert(FleetTable::kMost <= 24);
+  static_assert(FleetTable::kMax <= 24);
   std::uint64_t code = was_fit_;
   code = code << 24U | out_;
   code = code << 5U | leader_;

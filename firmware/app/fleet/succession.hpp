@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Chooses the fleet's leader, and the boat to follow, by the rule of the table: nobody votes.
+// Chooses the fleet's leader, and the boat to follow, by the table's rule, without a vote.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace flotilla::app {
 /// A member as this boat knows it now.
 struct FleetPeer {
   bool heard = false;       ///< not silent
-  bool fit = false;         ///< follows in its slot, or could take over; as it said last
-  bool leads = false;       ///< as it said last
-  std::uint16_t epoch = 0;  ///< 0: it has said nothing yet, and may be fit
+  bool fit = false;         ///< follows in its slot, or could take over; as last reported
+  bool leads = false;       ///< as last reported
+  std::uint16_t epoch = 0;  ///< 0: no beacon yet, and may be fit
 };
 
 /// This boat.
@@ -25,13 +25,13 @@ struct FleetSelf {
   std::uint16_t epoch = 0;  ///< of the newest table that it holds, as its beacons name it
   bool fit = false;         ///< FORMATION or COAST, and could begin LOITER
   bool drives = false;      ///< any mode with thrust
-  bool alone = false;       ///< a mode without a leader
-  bool ordered = false;     ///< AUTO or GUIDED, which only an operator or this class begins
+  bool alone = false;       ///< in a mode without a leader
+  bool ordered = false;     ///< in AUTO or GUIDED, which only an operator or this class begins
   bool by_hand = false;     ///< an operator has set its leader or slot since the table came
-  bool begun = false;       ///< it is alone, in another mode than in the last step
+  bool begun = false;       ///< `alone`, and the mode has changed since the last step
 };
 
-/// The rule's request to the boat's supervisor; repeated in each step until it is done.
+/// The rule's request to the boat's supervisor, repeated in each step until it is carried out.
 enum class FleetOrder : std::uint8_t {
   kNone,
   kLead,    ///< AUTO with the fleet's plan, else LOITER
@@ -39,51 +39,51 @@ enum class FleetOrder : std::uint8_t {
   kStop,    ///< HOLD
 };
 
-/// Of those that say they lead, the one with the higher epoch, then rank, is the leader; the other
-/// ones yield. If none is left, the first fit member that can lead takes over. The fleet is under
-/// way, and members are replaced, only after somebody has led it; for a boat that has stopped since,
-/// or was told to follow instead of leading, only after somebody leads it again. A mode that an
-/// operator sets is left to nobody. Who has failed stays out of the tree, its followers hang on
-/// its own leader, until the next table; but it may follow.
+/// Among members that report leading, the highest (epoch, rank) leads; the others yield. If there
+/// is none, the first fit member that can lead takes over, but only once the fleet is under way:
+/// after a member has led it. A boat that has stopped since, or was told to follow instead of
+/// leading, counts it as under way only when a member leads again. A mode that an operator sets is
+/// never overridden. A failed member leaves the tree until the next table: its followers attach to
+/// its leader. It may still follow.
 class Succession {
  public:
-  static constexpr std::size_t kNobody = FleetTable::kMost;
+  static constexpr std::size_t kNobody = FleetTable::kMax;
 
   /// A table comes into force.
   void begin(const FleetTable& table);
 
-  /// Decides anew. `peers`: by rank, this boat's own is not read.
+  /// One step per tick. `peers`: by rank, this boat's own is not read.
   FleetOrder step(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
 
-  /// The boat has obeyed kStop.
+  /// Confirms kStop.
   void stopped() { stopping_ = false; }
 
   bool leads() const { return leads_; }
 
-  /// Rank of the fleet's leader, maybe this boat's own; kNobody: none is known.
+  /// Rank of the fleet's leader, possibly this boat's own; kNobody: none is known.
   std::size_t leader() const { return leader_; }
 
-  /// Rank of the member that this boat follows; nothing: none is known, or the boat leads.
+  /// Rank of the member that this boat follows; nullopt: none is known, or the boat leads.
   std::optional<std::size_t> followed() const { return followed_; }
 
-  /// Its whole memory, for a search through all states.
+  /// The complete state as a number, for exhaustive search in tests.
   std::uint64_t code() const;
 
  private:
   void judge(std::span<const FleetPeer> peers, std::size_t own);
   void choose(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
-  void hang(const FleetTable& table, std::size_t own);
+  void attach_to_leader(const FleetTable& table, std::size_t own);
   FleetOrder order(const FleetSelf& self);
   static bool first_fit(const FleetTable& table, std::size_t own, std::span<const FleetPeer> peers);
 
   bool leads_ = false;
-  bool taking_ = false;    // over: not yet in the mode
-  bool yielding_ = false;  // not yet in FORMATION
+  bool taking_ = false;    // takes over, but is not yet in the leader's mode
+  bool yielding_ = false;  // yields, but is not yet in FORMATION
   bool under_way_ = false;
   bool stopping_ = false;
   std::size_t leader_ = kNobody;
   std::optional<std::size_t> followed_;
-  std::uint32_t was_fit_ = 0, out_ = 0;  // by rank, a bit each
+  std::uint32_t was_fit_ = 0, out_ = 0;  // bit masks by rank; out_: has left the tree
 };
 
 }  // namespace flotilla::app

@@ -11,10 +11,10 @@ constexpr std::uint8_t kTurns = 1, kStop = 2, kAssigns = 4, kInForce = 8;
 constexpr std::uint8_t kCanLead = 1, kOnlyLeads = 2;
 constexpr std::int64_t kSince_ms = 100;  // unit of in_ms with kInForce
 
-static_assert(sizeof(link::FleetTable::members) == kBytes * FleetTable::kMost);
+static_assert(sizeof(link::FleetTable::members) == kBytes * FleetTable::kMax);
 
-/// FNV-1a, folded to 15 bits (draft-eastlake-fnv); the highest bit is set for a table that stops
-/// the boats, so that of two tables with one epoch it wins.
+/// FNV-1a, folded to 15 bits (draft-eastlake-fnv). The highest bit is set for a table that stops
+/// the boats, so that it wins over others with the same epoch.
 std::uint16_t digest_of(const link::FleetTable& message) {
   std::uint32_t hash = 2166136261U;
   const auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 16777619U; };
@@ -87,7 +87,7 @@ FleetTable table_of(const link::FleetTable& message) {
                    .move_ds = message.move_ds,
                    .first_ds = message.first_ds,
                    .first_share = message.first_share};
-  while (table.count < FleetTable::kMost && message.members[kBytes * table.count] != 0) {
+  while (table.count < FleetTable::kMax && message.members[kBytes * table.count] != 0) {
     const std::uint8_t* bytes = message.members.data() + kBytes * table.count;
     table.members[table.count++] = {.system = bytes[0],
                                     .leader = bytes[1],
@@ -96,7 +96,7 @@ FleetTable table_of(const link::FleetTable& message) {
                                     .length_dm = bytes[3],
                                     .slot_cm = {int16_of(bytes + 4), int16_of(bytes + 6)}};
   }
-  table.digest = digest_of(message_of(table, 0));  // of what a boat passes on
+  table.digest = digest_of(message_of(table, 0));  // of the message as a boat relays it
   return table;
 }
 

@@ -29,22 +29,22 @@ struct FleetMember {
 constexpr double kShares = 255;
 
 struct FleetTable {
-  static constexpr std::size_t kMost = 24;  ///< members, as many as one message carries
+  static constexpr std::size_t kMax = 24;  ///< members, as many as one message carries
 
   std::uint16_t epoch = 0;  ///< 0: no table
   std::uint16_t digest = 0;
   bool turns = false;            ///< the shape turns with the leader's heading
   bool stop = false;             ///< all boats stop
-  bool assigns = false;          ///< a request: who hears it gives the places to the members
-  std::uint16_t move_ds = 0;     ///< how long the boats take to their new places, 0.1 s; 0: at once
-  std::uint16_t first_ds = 0;    ///< when the places change their speed, 0.1 s; 0: never
+  bool assigns = false;          ///< a request to assign the places to the members
+  std::uint16_t move_ds = 0;     ///< duration of the move to the new places, 0.1 s; 0: at once
+  std::uint16_t first_ds = 0;    ///< T₁ of move.hpp, 0.1 s; 0: one speed
   std::uint8_t first_share = 0;  ///< s₁ of move.hpp, 1/255
   std::size_t count = 0;
-  std::array<FleetMember, kMost> members{};  ///< by rank, the highest first
+  std::array<FleetMember, kMax> members{};  ///< by rank, the highest first
 
   std::span<const FleetMember> all() const { return std::span(members).first(count); }
 
-  /// A member's place in `members`; nothing for others.
+  /// Index of a member in `members`; nullopt for other systems.
   std::optional<std::size_t> rank_of(std::uint8_t system) const;
 };
 
@@ -52,10 +52,10 @@ struct FleetTable {
 enum class TableFault : std::uint8_t {
   kNone,
   kEmpty,     ///< no members, or epoch 0
-  kTwice,     ///< a system id comes twice
+  kTwice,     ///< duplicate system id
   kTree,      ///< a member follows one that does not come before it, or itself only leads
   kNoLeader,  ///< a member that follows nobody cannot lead
-  kTooClose,  ///< two slots are nearer than half of both hulls' lengths together
+  kTooClose,  ///< two slots are closer than half the sum of their hulls' lengths
 };
 struct TableVerdict {
   TableFault fault = TableFault::kNone;
@@ -65,9 +65,9 @@ TableVerdict verdict_of(const FleetTable& table);
 /// For the operator: why a table is refused.
 Sentence sentence_of(const TableVerdict& refused);
 
-/// A table as the wire has it. A whole table is one message: nobody ever holds a part of one.
+/// To and from the message. A whole table is one message, so no boat ever holds a part of one.
 FleetTable table_of(const link::FleetTable& message);
-/// in_ms: until it comes into force; negative: since then.
+/// in_ms: time until it comes into force; negative: time since then.
 link::FleetTable message_of(const FleetTable& table, std::int64_t in_ms);
 std::int64_t in_ms_of(const link::FleetTable& message);
 

@@ -12,7 +12,7 @@ namespace {
 
 namespace mav = link::mav;
 
-// A boat silent for this long has left, or has failed: nobody waits for it.
+// A boat silent for this long has left, or has failed: do not wait for it.
 constexpr std::int64_t kSilent_us = 3'000'000;
 
 }  // namespace
@@ -46,7 +46,7 @@ FleetReports::Member* FleetReports::find(std::uint8_t system) {
   return found == used.end() ? nullptr : &*found;
 }
 
-/// Nobody waits for a boat that has no room in the table.
+/// A boat for which the table has no room is ignored.
 void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t now_us) {
   Member* member = find(system);
   if (!follows) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reports of the other boats of the tree: whether boats that follow this one have fallen
-// out of their slots, and whether the own leader returns.
+// Reports of the tree's other boats: whether a follower has fallen out of its slot, and whether the
+// own leader returns.
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@ namespace flotilla::app {
 class FleetReports {
  public:
   /// wait_us: the longest wait for one boat. Time that the boat then spends in its slot permits a
-  /// further wait of the same length, so a boat that falls out repeatedly cannot stop the others
-  /// for ever.
+  /// further wait of the same length, so that a boat that falls out repeatedly cannot stop the
+  /// fleet for ever.
   void configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us);
 
   void hear(const link::Received& received, std::int64_t now_us);
 
-  /// System id of a boat that follows this one, was in its slot, now reports that it is out of it,
-  /// and has not been waited for too long.
+  /// System id of a follower that was in its slot, reports that it is out of it, and has not used
+  /// up its wait.
   std::optional<std::uint8_t> late(std::int64_t now_us) const;
 
   /// The leader reports that it is armed and in RTL.
@@ -35,7 +35,7 @@ class FleetReports {
     bool out = false;         ///< out of its slot now
     std::int64_t heard_us = 0;
     std::int64_t since_us = 0;   ///< of `out`
-    std::int64_t waited_us = 0;  ///< up to since_us, less the time in its slot
+    std::int64_t waited_us = 0;  ///< wait used up at since_us
 
     std::int64_t waited(std::int64_t now_us) const;
     void note(bool is_out, std::int64_t now_us, std::int64_t most_us);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A slot that moves in the shape, followed as a vessel on the slot's own course, which may be that
-// against the leader's.
+// Follows a slot that moves in the shape as a vessel on its own course, possibly opposite to the
+// leader's.
 //
 //   frame 0: V = U + w            V̇ = U̇ + r × U + ẇ
 //   frame 1: V = U + r × d + w    V̇ = U̇ + r × (U + r × d) + 2 r × w + ẇ      in the leader's axes
@@ -14,8 +14,8 @@
 // noise and delay behind a slot that rests in the shape. With them a boat of 1.2 m turned about in
 // 7 s, was left behind by its slot, and closed up slowly.
 //
-// Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat already
-// turns to V_s. A boat that turned with its slot would be left behind.
+// Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat turns
+// to V_s: a boat that turned only with its slot would fall behind.
 //
 // Not in paper, where slots rest in the shape. The leader's ṙ is left out.
 #pragma once
@@ -48,7 +48,7 @@ Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot, core::
   const core::Vec2<S> V{swept.x + w.x, swept.y + w.y};
   const core::Vec2<S> V_dot{u_dot - r * swept.y + w_dot.x, v_dot + r * swept.x + w_dot.y};
   const S speed = core::hypot(V.x, V.y);
-  const S q = core::max(speed, S(0.2));  // slower, and it has hardly a course
+  const S q = core::max(speed, S(0.2));  // below this its course is ill-defined
   lead.motion.psi = core::wrap_pi(psi_L + core::atan2(V.y, V.x));
   lead.motion.nu = {speed, S(0), (V.x * V_dot.y - V.y * V_dot.x) / (q * q)};
   lead.motion.nu_dot = {(V.x * V_dot.x + V.y * V_dot.y) / q, S(0), S(0)};

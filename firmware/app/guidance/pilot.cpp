@@ -10,7 +10,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr bool kMoves = FLOTILLA_KEEPS_FLEET != 0;  // slots, in the shape
+constexpr bool kMoves = FLOTILLA_KEEPS_FLEET != 0;  // slots may move in the shape
 
 template <class S>
 std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
@@ -186,8 +186,8 @@ Target Pilot<S>::stop_ahead() const {
           static_cast<float>(convert::number(u))};
 }
 
-/// A boat approaches a vessel at rest from 1.5 look-aheads on (core/approach.hpp): nearer, the vessel
-/// must make way, or both would stand still.
+/// Within 1.5 look-aheads a boat does not approach a vessel at rest (core/approach.hpp): the vessel
+/// must move on, or both would stand still.
 template <class S>
 BoatBehind<S> Pilot<S>::behind() const {
   return {follower_.off(), core::max(S(3), S(2) * law_.controller.sight.Delta)};
@@ -251,7 +251,7 @@ core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
   follower_.follow(law_, own_, lead(now_us), dt);
   const Branch& branch = follower_.lead().branch;
   leaders_reference_ = branch.root != 0 && branch.maker != own_.track().system();
-  if (follower_.counts_to_shift(dt)) follower_.shift(leaders_error(now_us));
+  if (follower_.advance_shift_timer(dt)) follower_.shift(leaders_error(now_us));
   const auto out = step_law(now_us, dt);
   follower_.judge(law_, out, out.error, yaw_rate(), dt);
   return out;
@@ -262,7 +262,7 @@ core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
   follower_.coast(law_.coast_s, dt);
   const auto out = step_law(now_us, dt);
   // A boat that coasts because it left its slot may return to it; no other is judged in COAST.
-  if (astray() != core::Astray::kNo) {
+  if (station_loss() != core::StationLoss::kNo) {
     follower_.judge(law_, out, look(now_us).error, yaw_rate(), dt);
   }
   return out;

@@ -46,17 +46,17 @@ class Pilot {
     return own_.conditions(limits_.own_limit_us, now_us);
   }
 
-  /// Those of what is heard of others: the leader, the tree, and whether the boat is clear of all.
+  /// Conditions that depend on other vessels: leader, tree, clearance.
   core::Conditions heard(std::int64_t now_us) const;
 
-  /// Call in every tick: the own motion `since` s later, under the wrench given.
+  /// Call in every tick: advances the own motion by `since` s under the wrench `given`.
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
 
   /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
   void start(std::int64_t now_us);
 
-  /// The fleet changes its shape: the slot moves relative to the formation's root, m/s and m/s² in
-  /// its axes, and may go against the root's course.
+  /// Velocity and acceleration of a slot that moves in the shape, relative to the formation's root
+  /// and in the slot's axes; its course may be opposite to the root's.
   void move_slot(bool moves, const std::array<float, 2>& mps, const std::array<float, 2>& mps2,
                  const std::array<float, 2>& soon_mps) {
     slot_moves_ = moves;
@@ -66,9 +66,9 @@ class Pilot {
   }
   bool slot_moves() const { return slot_moves_; }
 
-  /// Courses of core::kCourses, a bit each, on which the boat does not give way if it can help it.
+  /// Bit mask of courses (core::kCourses) that the boat avoids while it yields.
   void close_courses(std::uint16_t closed) { closed_courses_ = closed; }
-  /// When it gives way, m/s.
+  /// Greatest speed while yielding, m/s.
   S fastest() const {
     const core::ControllerParams<S>& law = law_.controller;
     return S(0) < law.outer.u_max ? law.outer.u_max : law.separation.least;
@@ -77,7 +77,7 @@ class Pilot {
   /// System id of the leader.
   std::uint8_t leader() const { return leader_.system(); }
 
-  /// A jump of the leader or the root was believed since start().
+  /// A jump of the leader or the root was accepted since start().
   bool leader_jumped() const { return leader_.jumped() || reference_.jumped(); }
 
   /// Returns from COAST to FORMATION: the leader may have come back somewhere else.
@@ -91,21 +91,22 @@ class Pilot {
   core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
   bool can_coast() const;
 
-  /// Enters a mode without a leader, or goes on there by another plan or item: the law follows a
-  /// vessel that sails the plan from the boat's place. The plan must not change before end_plan().
+  /// Enters a mode without a leader, or continues it with another plan or item: the law follows a
+  /// virtual vessel that sails the plan from the boat's place. The plan must not change before
+  /// end_plan().
   void start_plan(const Voyage& voyage, const PlanDefaults& defaults);
   void end_plan() { reference_.lead(false); }
 
   /// One step of the law behind that vessel; paused: it slows down and waits.
   core::ControllerOutput<S> sail(Plan plan, bool paused, std::int64_t now_us, S dt);
-  /// The same where velocities drive it.
+  /// The same for velocity setpoints.
   core::ControllerOutput<S> drive(const core::Drive<S>& desired, bool paused, std::int64_t now_us,
                                   S dt);
   const PlanVessel<S>& plan_vessel() const { return plan_vessel_; }
 
   /// Whether the boat under the law keeps its slot, and is in it, since FORMATION was entered or
   /// the slot or leader changed.
-  core::Astray astray() const { return follower_.astray(); }
+  core::StationLoss station_loss() const { return follower_.station_loss(); }
   bool in_slot() const { return follower_.in_slot(); }
   S yaw_rate() const { return own_.motion().nu.r; }
 
@@ -129,14 +130,14 @@ class Pilot {
   convert::Position place() const { return own_.place(); }
   const core::Motion<S>& motion() const { return own_.motion(); }
 
-  /// Motion since seen_from() as the navigation unit tells it, without the model of the hull.
+  /// Motion since seen_from(), from the navigation unit alone, without the hull's model.
   core::Motion<S> seen_motion(std::int64_t now_us) const { return own_.track().motion(now_us); }
   const convert::Position& seen_from() const { return own_.track().position(); }
 
-  /// Where the boat can stop if it sails straight on, and the speed at which it begins.
+  /// Where the boat comes to rest if it brakes now, straight ahead, and its present speed.
   Target stop_ahead() const;
 
-  /// Depth in the tree, to be sent; nothing if FS_SEP_M is 0.
+  /// Depth in the tree, to be sent; nullopt if FS_SEP_M is 0.
   std::optional<double> depth() const;
 
   /// The reference for followers. `followed`: FORMATION, or a COAST too short for them to leave it.
@@ -151,7 +152,7 @@ class Pilot {
   const TreePlace& tree_place() const { return reference_.place(); }
   std::optional<double> reference_age_s(std::int64_t now_us) const;
 
-  /// Estimated latency of the navigation unit beyond NAV_LAG_S; nothing before it is known, or if
+  /// Estimated latency of the navigation unit beyond NAV_LAG_S; nullopt before it is known, or if
   /// TIMESYNC bounds it.
   std::optional<double> latency_s() const;
 
@@ -159,7 +160,7 @@ class Pilot {
   std::optional<link::GpsRawInt> gps(std::int64_t now_us) const { return own_.gps(now_us); }
   bool take_stranger() { return own_.take_stranger(); }
 
-  /// Nothing where TIMESYNC does not tell it and no latency is known.
+  /// nullopt if neither TIMESYNC nor an estimated latency gives it.
   std::optional<double> own_age_s(std::int64_t now_us) const;
   std::optional<double> leader_age_s(std::int64_t now_us) const;
   std::optional<double> leader_uncertainty_m(std::int64_t now_us) const {
@@ -172,7 +173,7 @@ class Pilot {
     return leader_.doubled(now_us) ? std::optional(leader_.system()) : std::nullopt;
   }
 
-  /// A vessel that is not kept clear of because its messages come too late.
+  /// A vessel whose messages come too late for the boat to keep clear of it.
   std::optional<std::uint8_t> late_neighbour(std::int64_t now_us) const {
     return neighbours_.watches() ? neighbours_.late(now_us) : std::nullopt;
   }
@@ -199,11 +200,11 @@ class Pilot {
   std::uint16_t closed_courses_ = 0;
   core::Vec2<S> slot_v_{}, slot_a_{}, slot_soon_v_{};
   Configuration::Navigation limits_;
-  convert::Reach reach_{0};  // the farthest that the leader may be
+  convert::Reach reach_{0};  // greatest distance of the leader
   TimeRequests time_;
   OwnMotion<S> own_;
   VesselTrack<S> leader_;
-  bool leaders_reference_ = false;  // was followed in the last step: not the leader's own motion
+  bool leaders_reference_ = false;  // the last step followed a relayed reference, not leader_
   PlanVessel<S> plan_vessel_;
   SlotFollower<S> follower_;
   Neighbours neighbours_;

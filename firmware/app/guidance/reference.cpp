@@ -6,19 +6,18 @@
 namespace flotilla::app {
 namespace {
 
-// An S-curve cannot be extrapolated for longer. A relayed reference must last one more hop.
+// An S-curve cannot be extrapolated for longer. A reference that is sent must last one more hop.
 constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'000;
 // A lower sequence number with a motion later by more than this means that the maker restarted.
 constexpr std::int64_t kRestart_us = 1'000'000;
 // A plan's motion is exact: no follower needs it more often.
 constexpr std::int64_t kTold_us = 100'000;
-// A motion that is later than the one held by less than this tells nothing new.
+// Motions newer by less than this are ignored.
 constexpr std::int64_t kNews_us = 45'000;
-// A future lasts for kFuture_us. A reference with a future may be followed, and sent, for
-// kOldestCovered_us.
+// Validity of a future, and of a reference that has one (to be followed and sent).
 constexpr std::int64_t kFuture_us = 12'000'000, kOldestCovered_us = 9'000'000;
 
-/// The age in a message that leaves now.
+/// The age field of a message sent now.
 std::uint16_t age_ms(std::int64_t now_us, std::int64_t valid_us) {
   const std::int64_t age_us = convert::us_of_ms(now_us) - valid_us;
   return static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);
@@ -67,7 +66,7 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
   if (!stamp) return;
   const std::int64_t age_us = std::int64_t{m.age_ms} * 1000;
   const std::int64_t valid_us = stamp->us - age_us, least_us = stamp->least_us - age_us;
-  // A motion whose future is known does not become too old for the boats behind.
+  // A reference with a known future does not grow too old for the boats behind.
   const bool covered = lasting_us(now_us, 0) > now_us - valid_us;
   if (leads && !stamp->overtaken) place_.hear(m, covered ? now_us : valid_us, now_us);
   const auto branch = place_.branch(now_us);
@@ -110,7 +109,7 @@ void Reference<S>::take(link::Address from, const link::FormationFuture& m, std:
   }
 }
 
-/// The future of the branch that is held, while it lasts.
+/// The future of the held reference's branch, while it is valid.
 template <class S>
 const typename Reference<S>::HeldFuture* Reference<S>::future(std::int64_t now_us) const {
   if (!future_ || !held_ || future_->branch != held_->branch || !future_->timed ||
@@ -120,7 +119,7 @@ const typename Reference<S>::HeldFuture* Reference<S>::future(std::int64_t now_u
   return &*future_;
 }
 
-/// The greatest age of a reference, plain_us where its future is not known.
+/// The greatest age of a reference; plain_us if its future is unknown.
 template <class S>
 std::int64_t Reference<S>::lasting_us(std::int64_t now_us, std::int64_t plain_us) const {
   return future(now_us) != nullptr ? kOldestCovered_us : plain_us;
@@ -161,8 +160,8 @@ bool Reference<S>::is_near(const convert::Position& own, const convert::RootStat
   return convert::near(own, root.position) && convert::near(own, slot, reach_);
 }
 
-/// Rejects a reference that another boat has already relayed, or that comes too soon after the one
-/// held; accepts one from a restarted maker.
+/// False for a reference that another boat has already relayed, or that is newer by less than
+/// kNews_us; true for one from a restarted maker.
 template <class S>
 bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& branch,
                             std::int64_t valid_us) const {
@@ -173,7 +172,7 @@ bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& bra
   return ahead < 0 && later_us > kRestart_us;
 }
 
-/// Believes a state that is plausible after the previous one; false if it is not.
+/// Accepts a state that is plausible after the previous one; false if it is not.
 template <class S>
 bool Reference<S>::believe(const convert::RootState<S>& root, std::int64_t valid_us,
                            std::int64_t now_us) {
@@ -210,7 +209,7 @@ void Reference<S>::tell(const core::Future<S>& future, std::int64_t begun_us) {
   ++future_news_;
 }
 
-/// Keeps updating valid_us: the leader's clock offset becomes more precise with time.
+/// Updates valid_us in every tick: the leader's clock offset becomes more precise with time.
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const auto message = leader.take_fix();

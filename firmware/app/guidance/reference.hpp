@@ -39,8 +39,7 @@ class Reference {
     clocks_.answered(from, sent_us, read_us, now_us);
   }
 
-  /// Sets whether the boat leads: then it is the root itself, whatever FORM_LEADER and its slot
-  /// are.
+  /// Sets whether the boat leads. Then it is the root itself, regardless of FORM_LEADER and slot.
   void lead(bool on);
 
   /// Takes the motion of the vessel that a leading boat follows in AUTO, as the reference.
@@ -49,7 +48,7 @@ class Reference {
   /// Takes the future of that vessel from `begun_us` on.
   void tell(const core::Future<S>& future, std::int64_t begun_us);
 
-  /// Call in every tick: makes the reference if this boat is its maker. Also while LAW_REF is 0, so
+  /// Makes the reference if this boat is its maker. Call in every tick, also while LAW_REF is 0, so
   /// that it can be switched on at any time.
   void make(VesselTrack<S>& leader, std::int64_t now_us);
 
@@ -60,21 +59,20 @@ class Reference {
     core::Motion<S> motion;      ///< since then
     RootOffset offset;           ///< our slot
   };
-  /// Nothing if there is no reference that can be followed.
+  /// nullopt if there is no reference that can be followed.
   std::optional<Aim> aim(std::int64_t now_us) const;
 
-  /// The message for followers, changed whenever news() is; nothing without a trustworthy
-  /// reference.
+  /// The message for followers; nullopt without a valid reference. news() counts its changes.
   std::optional<link::FormationReference> message(std::int64_t now_us, bool followed) const;
   std::uint32_t news() const { return news_; }
 
-  /// The same for the root's future, while it lasts.
+  /// The same for the root's future, while it is valid.
   std::optional<link::FormationFuture> future_message(std::int64_t now_us) const;
   std::uint32_t future_news() const { return future_news_; }
 
   const TreePlace& place() const { return place_; }
 
-  /// A jump of the root was believed since accept_place().
+  /// A jump of the root was accepted since accept_place().
   bool jumped() const { return guard_.moved(); }
   void accept_place() { guard_.accept(); }
 
@@ -132,8 +130,8 @@ class Reference {
   core::FutureWalk<S> walk_;  // from held_ along future_
   bool walks_ = false;
   std::uint32_t news_ = 0, future_news_ = 0;
-  core::TrackState<S> shaped_;  // the leader's motion, filtered for followers, while
-  bool shapes_ = false;         // this boat makes the reference
+  core::TrackState<S> shaped_;  // the leader's motion, filtered for followers
+  bool shapes_ = false;         // shaped_ is in use: this boat makes the reference
   std::uint16_t made_ = 0;
 };
 

@@ -10,9 +10,9 @@ namespace mav = link::mav;
 
 // A boat silent for this long has given up its slot, or is out of range.
 constexpr std::int64_t kSilent_us = 3'000'000;
-// Longer than a radio delays a fleet's table on its way through a few boats.
+// Longer than a fleet's table takes to pass through a few boats.
 constexpr std::int64_t kSettles_us = 2'000'000;
-// Until the other boat has stopped, and this one has heard of it.
+// Time for the other boat to stop, and for this one to hear of it.
 constexpr std::int64_t kYields_us = 2'000'000;
 
 bool is_vessel(const link::Heartbeat& beat) {
@@ -52,7 +52,7 @@ void SlotClaims::hear(const link::Received& received, bool may_claim, const Tree
   if (told == nullptr || !may_claim || from == leader_ || from == own_) return;
   const auto mine = place.offset(now_us);
   const std::uint8_t root = place.branch(now_us).value_or(Branch{leader_, own_}).root;
-  const bool follower = told->path[0] == own_;  // its own leaders() checks its slot
+  const bool follower = told->path[0] == own_;  // the leader checks its own slot
   if (mine && !follower && told->root == root && is_one(*mine, {told->offset_n, told->offset_b})) {
     if (rival_ == 0) rival_since_us_ = now_us;
     rival_ = from;

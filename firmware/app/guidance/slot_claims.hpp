@@ -13,14 +13,14 @@ namespace flotilla::app {
 
 class SlotClaims {
  public:
-  /// Slots closer than beam_m count as one. `slot`: behind the leader, also while the boat sails
-  /// alone. A change of leader discards what the old one sent.
+  /// Slots closer than beam_m count as one. `slot`: relative to the leader, also while the boat
+  /// sails alone. A change of leader discards the old one's messages.
   void configure(std::uint8_t own_system, std::uint8_t leader, const convert::WireOffset& slot,
                  float beam_m);
 
-  /// Takes any message. HEARTBEAT gives a vessel's type; GENERIC is a virtual leader, which takes
-  /// no room, so a slot of zero is valid behind it. Boats announce their slots by
-  /// FORMATION_REFERENCE, which counts if the sender `may_claim` a slot of our fleet.
+  /// Takes any message. HEARTBEAT gives a vessel's type: GENERIC is a virtual leader, which takes
+  /// no room, so a slot of zero is valid behind it. FORMATION_REFERENCE gives a boat's slot, and
+  /// counts if the sender `may_claim` a slot of our fleet.
   void hear(const link::Received& received, bool may_claim, const TreePlace& place,
             std::int64_t now_us);
 
@@ -28,9 +28,8 @@ class SlotClaims {
   bool leaders() const { return leader_is_vessel_ && on_leader_; }
 
   /// System id of a boat with the same slot of the same root. While we sail, a rival counts only if
-  /// it sails too and has claimed the slot for 2 s: boats that exchange their slots do not do so at
-  /// the same instant. For the boat with the lower system id it counts after 4 s, so that one of
-  /// the two sails on.
+  /// it sails too and has claimed the slot for 2 s, because boats do not exchange slots at the same
+  /// instant; for the boat with the lower system id, for 4 s, so that one of the two sails on.
   std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
   /// Neither the leader nor another boat claims the slot.

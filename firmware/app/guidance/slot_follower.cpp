@@ -26,9 +26,9 @@ core::ControllerInput<S> controller_input(const Lead<S>& lead, const OwnMotion<S
   return in;
 }
 
-/// A change of lead makes no step for a boat in its slot: the step fades out. A boat that still
-/// closes up, or whose slot is now elsewhere, heads for the new slot at once. A new slot of the same
-/// lead, or one elsewhere, restarts the approach.
+/// For a boat in its slot, the step of the slot's position at a change of lead fades out. A boat
+/// that still closes up, or whose slot is now elsewhere, heads for the new slot at once. A new slot
+/// behind the same lead, or one elsewhere, restarts the approach.
 template <class S>
 void SlotFollower<S>::follow(const convert::Law<S>& law, const OwnMotion<S>& own,
                              const Lead<S>& next, S dt) {
@@ -55,7 +55,7 @@ void SlotFollower<S>::follow(const convert::Law<S>& law, const OwnMotion<S>& own
 }
 
 template <class S>
-bool SlotFollower<S>::counts_to_shift(S dt) {
+bool SlotFollower<S>::advance_shift_timer(S dt) {
   shift_s_ = shift_s_ + dt;
   return !(shift_s_ < S(0.2));
 }

@@ -40,8 +40,8 @@ class SlotFollower {
   /// Follows `next` from now on, dt after the last step, s.
   void follow(const convert::Law<S>& law, const OwnMotion<S>& own, const Lead<S>& next, S dt);
 
-  /// Whether shift() is due; counts dt. Call in every step.
-  bool counts_to_shift(S dt);
+  /// Advances the timer of shift() by dt; true if shift() is due. Call in every step.
+  bool advance_shift_timer(S dt);
 
   /// Shifts the slot slowly by the leader's offset e_L from its own slot, m, north-east.
   void shift(const core::Vec2<S>& e_L);
@@ -51,10 +51,10 @@ class SlotFollower {
   core::ControllerOutput<S> step(const convert::Law<S>& law, const OwnMotion<S>& own,
                                  const core::Traffic<S>* traffic, S dt);
 
-  /// Extrapolates the vessel that is followed, in COAST.
+  /// In COAST: extrapolates the vessel that is followed.
   void coast(S coast_s, S dt);
 
-  /// Judges whether the boat keeps its station; error: from the slot behind the leader as received.
+  /// Judges whether the boat keeps its station. error: from the slot, by the leader's last state.
   void judge(const convert::Law<S>& law, const core::ControllerOutput<S>& out,
              const core::FormationError<S>& error, S r, S dt);
 
@@ -62,7 +62,7 @@ class SlotFollower {
 
   /// Distance from the slot in the last step.
   S off() const { return core::hypot(error_.e.x, error_.e.y); }
-  core::Astray astray() const { return station_.astray; }
+  core::StationLoss station_loss() const { return station_.loss; }
   bool in_slot() const { return station_.in; }
 
  private:

@@ -9,9 +9,9 @@ namespace {
 
 // A leader silent for this long has lost its reference, or runs other software.
 constexpr std::int64_t kSilent_us = 3'000'000;
-// A boat whose leader's reference is older than kOld_us starts its own branch, and rejoins only
-// after kSteady_us of references younger than kYoung_us, so a deep boat on a bad radio does not
-// oscillate.
+// A boat whose leader's reference is older than kOld_us starts its own branch. It rejoins only
+// after kSteady_us of references younger than kYoung_us, so that a deep boat on a bad radio does
+// not alternate.
 constexpr std::int64_t kOld_us = 3'000'000, kYoung_us = 2'100'000, kSteady_us = 3'000'000;
 
 }  // namespace

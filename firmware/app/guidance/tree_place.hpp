@@ -37,17 +37,17 @@ class TreePlace {
   /// A message from the leader, with a motion valid at `valid_us`.
   void hear(const link::FormationReference& message, std::int64_t valid_us, std::int64_t now_us);
 
-  /// The branch that the leader sails in. Nothing if it announces none, or one that is too old for
-  /// a boat behind it, if it is not in its slot, if we made the reference, or if our slot turns
-  /// with a leader whose own slot turns: its heading differs from the root's.
+  /// The branch that the leader sails in. nullopt if it announces none, or its reference is too old
+  /// for a boat behind it, or it does not follow, or we made the reference, or our slot turns with
+  /// a leader whose own slot turns: its heading differs from the root's.
   std::optional<Branch> branch(std::int64_t now_us) const;
 
   /// Our slot and our leader's, relative to that branch's root, or to the leader if there is no
-  /// branch; ours is nothing beyond 100 km.
+  /// branch; ours is nullopt beyond 100 km.
   const std::optional<RootOffset>& offset(std::int64_t now_us) const;
   RootOffset leaders_offset(std::int64_t now_us) const;
 
-  /// Links of the tree above; saturates at the path's capacity.
+  /// Number of links above us in the tree; saturates at the path's capacity.
   std::size_t depth(std::int64_t now_us) const;
   TreePath path(std::int64_t now_us) const;
   bool too_deep(std::int64_t now_us) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sails a plan's voyage that measures a hull. Begins it when the plan has come to one and the boat
-// is in its room; locates the boat in that room by the navigation unit alone; judges whether the
-// boat would leave the fence, or the circle round home, before it comes to rest.
+// Sails a plan's identification voyage, which measures the hull. Begins when the plan reaches the
+// voyage and the boat is in its room; locates the boat there by the navigation unit alone; judges
+// whether the boat would leave the fence, or the circle round home, before it comes to rest.
 #pragma once
 
 #include <cstddef>

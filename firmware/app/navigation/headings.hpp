@@ -33,7 +33,7 @@ class Headings {
   enum class Verdict : std::uint8_t {
     kTaken,
     kLate,   ///< its stamp is not newer than the last one
-    kLeapt,  ///< perhaps of another vessel with another clock: it would block this one's
+    kLeapt,  ///< implausible: possibly another vessel's clock, which would block later stamps
   };
 
   /// silent: the vessel may have rebooted, so an old stamp is taken.

@@ -65,7 +65,7 @@ class JumpGuard {
 
   /// Takes a state given in the plane of the last one; `far`: too far away for that plane. Unless
   /// it is refused, call believe() next.
-  Verdict take(const Seen& state, bool far) {
+  [[nodiscard]] Verdict take(const Seen& state, bool far) {
     if (!last_) return Verdict::kGoesOn;
     const core::Leg<S> way = leg(*last_, state);
     if (!far && core::hardly_moves(small_, way)) {

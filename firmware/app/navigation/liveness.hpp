@@ -79,13 +79,14 @@ class Liveness {
       repeats = std::min(repeats + 1, kFew);
     }
     bool lasts(S s) const { return time >= s && repeats == kFew; }
-    bool lies() const { return core::hypot(way.x, way.y) > kTold; }
+    /// The reported rate contradicts the repetition.
+    bool contradicts() const { return core::hypot(way.x, way.y) > kTold; }
   };
 
   void judge(bool well) {
     const S most_s = moved_ ? patience_s_ : kHeld_s;
-    const bool frozen = (place_.lasts(most_s) && place_.lies()) ||
-                        (heading_.lasts(most_s) && heading_.lies()) ||
+    const bool frozen = (place_.lasts(most_s) && place_.contradicts()) ||
+                        (heading_.lasts(most_s) && heading_.contradicts()) ||
                         (moved_ && pushed_ > kPushed && whole_.lasts(patience_s_));
     well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
     live_ = !frozen && (live_ || well_ == kFew);

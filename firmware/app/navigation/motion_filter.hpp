@@ -12,17 +12,17 @@ namespace flotilla::app {
 template <class S>
 class MotionFilter {
  public:
-  /// Off: each state is believed as it is.
+  /// Off: each state replaces the estimate unfiltered.
   void set_smoothing(bool smooths) {
     smooths_ = smooths;
     track_.nu_dot = track_.nu_ddot = {};
   }
   bool smooths() const { return smooths_; }
 
-  /// On: the filter takes one frequent state in 45 ms, and believes those between as they are;
-  /// there are no fixes.
+  /// On: the filter takes at most one state in 45 ms; those between replace the estimate
+  /// unfiltered. There are no fixes.
   void stand_by(bool on) {
-    if (std::exchange(stands_by_, on) != on) begin_seldom();
+    if (std::exchange(stands_by_, on) != on) begin_decimation();
   }
 
   /// Takes a state, dt after the last one, 0 if no motion led to it; resumes: the last one came
@@ -38,7 +38,7 @@ class MotionFilter {
     } else {
       core::track_update(params, track_, state);
     }
-    if (stands_by_) begin_seldom();
+    if (stands_by_) begin_decimation();
     // Of several states between two ticks the last one counts, with dt over all of them.
     const bool led = track_.dt > S(0) && (!fix_ || fix_->dt > S(0));
     const S since = led ? track_.dt + (fix_ ? fix_->dt : S(0)) : S(0);
@@ -52,7 +52,7 @@ class MotionFilter {
   std::optional<core::TrackMessage<S>> take_fix() { return std::exchange(fix_, std::nullopt); }
 
  private:
-  void begin_seldom() {
+  void begin_decimation() {
     filtered_ = track_;
     since_ = S(0);
   }

@@ -41,7 +41,7 @@ class Namesake {
   };
 
   Clock clock_, other_;  ///< heard last, and before
-  int returns_ = 0;      ///< to the clock before, in a row
+  int returns_ = 0;      ///< consecutive alternations between the two clocks
   std::int64_t seen_us_ = kNever;
 };
 

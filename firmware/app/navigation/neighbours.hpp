@@ -74,7 +74,7 @@ class Neighbours {
     float reach_m = 0;  ///< of the hull beyond the position
     Metres north_m, east_m;
     std::int64_t true_us = 0;       ///< when its state was true, by our clock
-    std::int64_t ahead_us = 0;      ///< our clock less its stamps, by the promptest message
+    std::int64_t ahead_us = 0;      ///< our clock minus its stamps, from its fastest message
     std::int64_t late_us = kNever;  ///< when a message last came too late to be used
   };
 

@@ -138,17 +138,17 @@ void VesselTrack<S>::choose(State state, const Arrival& arrival) {
   const auto& [from, now_us, counters] = arrival;
   const std::int64_t stamp_us = state.sample.stamp_us;
   if (from != component()) {
-    if (!may_choose(from, now_us) || !goes_on(state, arrival)) return;
+    if (!may_choose(from, now_us) || !judge_next(state, arrival)) return;
     component_changed(from, state.heading);
   }
   if (state.resets && sources_.is_reset(*state.resets, stamp_us)) {
-    if (!can_have_gone_on(state.sample, from, now_us)) guard_.note_moved(now_us);
+    if (!judge_reset(state.sample, from, now_us)) guard_.note_moved(now_us);
     estimator_reset();
   }
   sources_.hear(state.source, stamp_us, now_us, stamps_.last_us().has_value());
   if (state.source != sources_.in_use()) {
     if (!sources_.better(state.source, now_us, origins_.is_told_by(from))) return;
-    if (!goes_on(state, arrival)) return;
+    if (!judge_next(state, arrival)) return;
     if (const auto age = age_us(now_us)) state.resumed_us = now_us - *age;
     source_changed(state.source);
   }
@@ -162,10 +162,11 @@ bool VesselTrack<S>::may_choose(std::uint8_t component, std::int64_t now_us) con
   return kept ? silent && !held_ : sources_.better(component, silent);
 }
 
-/// Whether the first state of another component or source is plausible after the last one. One that
-/// cannot be compared must wait until the one in use is silent.
+/// Judges the first state of another component or source; true if it is plausible after the last
+/// one. Counts a refusal; an accepted jump ends the motion. A state that cannot be compared must
+/// wait until the one in use is silent.
 template <class S>
-bool VesselTrack<S>::goes_on(const State& state, const Arrival& arrival) {
+bool VesselTrack<S>::judge_next(const State& state, const Arrival& arrival) {
   const auto& [from, now_us, counters] = arrival;
   if (from != component() && plane_ && !origins_.place_of(state.sample, from) &&
       !stamps_.silent(now_us)) {
@@ -185,11 +186,11 @@ typename VesselTrack<S>::Jump VesselTrack<S>::jump_of(const convert::Sample<S>& 
   return guard_.take(guard_.seen(placed, now_us), origins_.is_far(sample));
 }
 
-/// Whether the first state after an estimator's reset can continue the track. It is believed at
-/// once, in either case.
+/// Judges the first state after an estimator's reset; true if it can continue the track. It is
+/// accepted at once in either case.
 template <class S>
-bool VesselTrack<S>::can_have_gone_on(const convert::Sample<S>& sample, std::uint8_t from,
-                                      std::int64_t now_us) {
+bool VesselTrack<S>::judge_reset(const convert::Sample<S>& sample, std::uint8_t from,
+                                 std::int64_t now_us) {
   if (!guard_.last()) return true;
   const bool comparable = !reframed_ || (plane_ && origins_.place_of(sample, from));
   return comparable && jump_of(sample, origins_.in_plane(sample), from, now_us) == Jump::kGoesOn;

@@ -45,8 +45,8 @@ class VesselTrack {
 
   std::uint8_t system() const { return identity_.system; }
 
-  /// Follows another vessel, or another of its components (0: any); discards everything known of the
-  /// old one.
+  /// Follows another vessel, or another of its components (0: any); discards everything known of
+  /// the old one.
   void follow(std::uint8_t system, std::uint8_t only = 0);
 
   /// While held, no other component is chosen even if the one in use is silent. Only with `keeps`.
@@ -80,8 +80,8 @@ class VesselTrack {
   /// This vessel's limits; the default is any vessel's.
   void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
 
-  /// Smoothing is for motion(). Without it each message is believed as it is: use that if another
-  /// estimator knows the motion between messages better.
+  /// Smoothing is for motion(). Without it each message replaces the estimate unfiltered: use that
+  /// if another estimator knows the motion between messages better.
   void set_smoothing(bool smooths) { filter_.set_smoothing(smooths); }
 
   /// On: nobody follows its motion now, so it is filtered less often.
@@ -99,7 +99,7 @@ class VesselTrack {
   /// No implausible report within the last second.
   bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
 
-  /// A jump was believed since accept_place().
+  /// A jump was accepted since accept_place().
   bool jumped() const { return guard_.moved(); }
   void accept_place() { guard_.accept(); }
 
@@ -180,17 +180,18 @@ class VesselTrack {
   void take_joined(Source source, const Message& message, const Arrival& arrival);
   void choose(State state, const Arrival& arrival);
   bool may_choose(std::uint8_t component, std::int64_t now_us) const;
-  bool goes_on(const State& state, const Arrival& arrival);
+  bool judge_next(const State& state, const Arrival& arrival);
   using Jump = typename JumpGuard<S>::Verdict;
   Jump jump_of(const convert::Sample<S>& sample, const convert::Sample<S>& placed,
                std::uint8_t from, std::int64_t now_us);
   Jump jump_across(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
-  bool can_have_gone_on(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
+  bool judge_reset(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
   void believe(const convert::Sample<S>& placed, std::int64_t now_us);
   void accept(const State& state, const Arrival& arrival);
   void update(const State& state, convert::Sample<S>& placed, std::int64_t now_us);
 
-  // The events that end a track or part of it; nothing else resets anything.
+  // Events that end a track or part of it. Besides them, follow() discards everything, and
+  // jump_across() a last state whose plane is unknown.
   void component_changed(std::uint8_t component, const Heading* heading) {
     filter_.forget();
     other_sender();
@@ -198,7 +199,7 @@ class VesselTrack {
     origins_.change_to(component);
     if (heading != nullptr) headings_.use(*heading);
   }
-  /// The motion goes on, with the new source's stamps and clock.
+  /// The motion continues, with the new source's stamps and clock.
   void source_changed(Source source) {
     if (sources_.went_back(source)) origins_.forget(stamps_.arrived_us());
     other_sender();
@@ -215,7 +216,7 @@ class VesselTrack {
   void other_sender() { stamps_.forget(), reframed_ = true; }
   void clock_set() { motion_ended(), sources_.reset_clock(); }
   void estimator_reset() { motion_ended(); }
-  void moved() { motion_ended(); }  ///< a jump was believed
+  void moved() { motion_ended(); }  ///< a jump was accepted
   /// No motion leads to the next state, which is accepted without comparison.
   void motion_ended() { guard_.forget(), stamps_.forget(), filter_.forget(); }
 

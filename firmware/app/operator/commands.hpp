@@ -78,7 +78,7 @@ struct DecodedCommand {
   std::optional<bool> fence{};        ///< on or off
   std::string_view why{};             ///< of a refusal, for the operator
 
-  /// Changes nothing that others see, so anybody may send it.
+  /// Read-only: allowed from any sender.
   bool reads_only() const { return message.has_value(); }
 };
 DecodedCommand meaning_of(const Command& command);

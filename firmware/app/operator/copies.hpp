@@ -15,10 +15,10 @@ namespace flotilla::app {
 
 class Copies {
  public:
-  /// Whether the same message, with the same checksum, arrived on another link within the last 5 s;
-  /// remembers this one.
-  bool is_copy(const link::Received& received, std::span<const std::uint8_t> frame,
-               std::size_t link, std::int64_t now_us) {
+  /// Notes the message; true if the same one, with the same checksum, arrived on another link
+  /// within the last 5 s.
+  bool note_and_match(const link::Received& received, std::span<const std::uint8_t> frame,
+                      std::size_t link, std::int64_t now_us) {
     constexpr std::uint32_t kLate_ms = 5000;
     const Seen now{
         static_cast<std::uint32_t>(now_us / 1000), received.id,    received.from, received.sequence,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The computer or microcontroller that the boat runs on, as it tells the boat of itself.
+// Status reported by the host.
 #pragma once
 
 #include <cstdint>

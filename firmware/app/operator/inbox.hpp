@@ -78,7 +78,7 @@ class Inbox {
   /// Calls answer(request) for each in order, up to kLast or kStop; returns whether one of these
   /// came. undoes_stop(request): whether a stop drops this kept request.
   template <class Answer, class UndoesStop>
-  bool take_each(Answer answer, UndoesStop undoes_stop) {
+  [[nodiscard]] bool take_each(Answer answer, UndoesStop undoes_stop) {
     std::size_t kept = 0, i = 0;
     bool last = false;
     for (; i < count_ && !last; ++i) {

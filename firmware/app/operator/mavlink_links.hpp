@@ -107,7 +107,7 @@ class MavlinkLinks {
   }
 
   /// Whether a message has been incomplete for too long for its rest to arrive.
-  bool waits_in_vain(std::size_t link, std::int64_t now_us) const {
+  bool timed_out(std::size_t link, std::int64_t now_us) const {
     const auto& since_us = links_[link].waiting_us;
     return since_us && now_us - *since_us > kPatience_us;
   }

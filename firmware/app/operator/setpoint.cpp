@@ -16,46 +16,50 @@ constexpr unsigned kPlace = 1 | 2, kVelocity = 8 | 16, kAcceleration = 64 | 128 
                    kYawRate = 2048;
 
 /// The fields that both messages share; velocities north and east, or ahead and to starboard.
-struct Wish {
+struct Request {
   unsigned ignored;
   bool in_body;  ///< the velocity
   double vx, vy, yaw_rate;
 };
 
-bool has(const Wish& wish, unsigned fields) { return (wish.ignored & fields) == 0; }
+bool has(const Request& request, unsigned fields) { return (request.ignored & fields) == 0; }
 
 /// Whether both or none of two fields are used, and numbers if they are.
-bool is_whole(const Wish& wish, unsigned fields, double a, double b) {
-  if ((wish.ignored & fields) == fields) return true;
-  return has(wish, fields) && std::isfinite(a) && std::isfinite(b);
+bool is_whole(const Request& request, unsigned fields, double a, double b) {
+  if ((request.ignored & fields) == fields) return true;
+  return has(request, fields) && std::isfinite(a) && std::isfinite(b);
 }
 
-Setpoint velocity_of(const Wish& wish) {
-  const bool turns = has(wish, kYawRate);
-  if (turns && !std::isfinite(wish.yaw_rate)) return {.why = "yaw rate is not finite"};
-  if (!wish.in_body && turns) return {.why = "yaw rate only in body frames"};
-  if (wish.in_body && (wish.vx < 0 || wish.vy != 0)) return {.why = "body velocity must be ahead"};
+Setpoint velocity_of(const Request& request) {
+  const bool turns = has(request, kYawRate);
+  if (turns && !std::isfinite(request.yaw_rate)) return {.why = "yaw rate is not finite"};
+  if (!request.in_body && turns) return {.why = "yaw rate only in body frames"};
+  if (request.in_body && (request.vx < 0 || request.vy != 0))
+    return {.why = "body velocity must be ahead"};
   constexpr double kFastest_radps = 4;  // of any boat; the range of core/drive.hpp
-  const double r = std::clamp(wish.yaw_rate, -kFastest_radps, kFastest_radps);
-  core::Drive<double> drive{wish.vx, turns ? r : 0.0, {}};
-  if (!wish.in_body) {
-    drive.u = portable::hypot(wish.vx, wish.vy);
-    if (drive.u > 0) drive.course = portable::atan2(wish.vy, wish.vx);
+  const double r = std::clamp(request.yaw_rate, -kFastest_radps, kFastest_radps);
+  core::Drive<double> drive{request.vx, turns ? r : 0.0, {}};
+  if (!request.in_body) {
+    drive.u = portable::hypot(request.vx, request.vy);
+    if (drive.u > 0) drive.course = portable::atan2(request.vy, request.vx);
   }
   return {.drive = drive};
 }
 
 /// place: nothing if it is in a frame for velocities only.
-Setpoint setpoint(const Wish& wish, const std::optional<convert::GlobalPoint>& place) {
-  if ((wish.ignored & kAcceleration) != kAcceleration) return {.why = "acceleration not supported"};
-  if (!is_whole(wish, kVelocity, wish.vx, wish.vy)) return {.why = "velocity needs vx and vy"};
-  if (!has(wish, kPlace)) {
-    return has(wish, kVelocity) ? velocity_of(wish) : Setpoint{.why = "no position or velocity"};
+Setpoint setpoint(const Request& request, const std::optional<convert::GlobalPoint>& place) {
+  if ((request.ignored & kAcceleration) != kAcceleration)
+    return {.why = "acceleration not supported"};
+  if (!is_whole(request, kVelocity, request.vx, request.vy))
+    return {.why = "velocity needs vx and vy"};
+  if (!has(request, kPlace)) {
+    return has(request, kVelocity) ? velocity_of(request)
+                                   : Setpoint{.why = "no position or velocity"};
   }
   if (!place || !convert::is_valid({place->latitude, place->longitude, 0, 0})) {
     return {.why = "position invalid in this frame"};
   }
-  const double speed = has(wish, kVelocity) ? portable::hypot(wish.vx, wish.vy) : 0;
+  const double speed = has(request, kVelocity) ? portable::hypot(request.vx, request.vy) : 0;
   return {.target = Target{*place, static_cast<float>(speed)}};
 }
 
@@ -70,24 +74,24 @@ Setpoint setpoint_of(const link::SetPositionTargetLocalNed& m, const convert::Ow
   if (!in_body && !offset && m.coordinate_frame != mav::kFrameLocalNed) {
     return {.why = "unsupported setpoint frame"};
   }
-  const Wish wish{m.type_mask, in_body, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
-  if (!is_whole(wish, kPlace, double{m.x}, double{m.y})) {
+  const Request request{m.type_mask, in_body, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
+  if (!is_whole(request, kPlace, double{m.x}, double{m.y})) {
     return {.why = "position needs x and y"};
   }
   std::optional<convert::GlobalPoint> place;
-  constexpr float kFar_m = 100'000;  // beyond it a plane is no map
+  constexpr float kFar_m = 100'000;  // a tangent plane is inaccurate beyond this
   if (!in_body && std::abs(m.x) < kFar_m && std::abs(m.y) < kFar_m) {
     place = convert::global_of({double{m.x} + (offset ? own.north_m : 0.0),
                                 double{m.y} + (offset ? own.east_m : 0.0), own.origin});
   }
-  return setpoint(wish, place);
+  return setpoint(request, place);
 }
 
 Setpoint setpoint_of(const link::SetPositionTargetGlobalInt& m) {
   if (!is_global(m.coordinate_frame)) return {.why = "unsupported setpoint frame"};
-  const Wish wish{m.type_mask, false, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
-  if (!is_whole(wish, kPlace, 0, 0)) return {.why = "position needs x and y"};
-  return setpoint(wish, convert::GlobalPoint{m.lat_int, m.lon_int});
+  const Request request{m.type_mask, false, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
+  if (!is_whole(request, kPlace, 0, 0)) return {.why = "position needs x and y"};
+  return setpoint(request, convert::GlobalPoint{m.lat_int, m.lon_int});
 }
 
 }  // namespace flotilla::app

@@ -82,10 +82,10 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       double_due_(10 * kSecond_us),
       ignored_due_(10 * kSecond_us),
       signing_due_(10 * kSecond_us) {
-  freshen();
+  refresh();
 }
 
-void Vehicle::freshen() {
+void Vehicle::refresh() {
   report_.self = self();
   report_.mode = supervisor_.mode();
   report_.intended_mode = supervisor_.intended_mode();
@@ -137,7 +137,7 @@ void Vehicle::keep(std::size_t link, const link::Received& received, const Reque
                                received.target,
                                static_cast<std::uint8_t>(link),
                                may_command(received.from)};
-  const bool copy = copies_.is_copy(received, links_.frame(link), link, now_us);
+  const bool copy = copies_.note_and_match(received, links_.frame(link), link, now_us);
   if (!copy || stops(pending)) inbox_.push(pending, counters);
 }
 
@@ -286,7 +286,7 @@ Supervisor::Decision Vehicle::judge(Request request) {
       missions_.fence().is_on()) {
     const auto here = place();
     if (here) missions_.check_way(*here, configuration_.plan);
-    if (!here || !missions_.plan_keeps_fence(false)) supervisor_.lack(core::kPlanReady);
+    if (!here || !missions_.plan_keeps_fence(false)) supervisor_.withdraw(core::kPlanReady);
   }
   return supervisor_.request(request, now_us_);
 }
@@ -343,15 +343,15 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     return;
   }
   send_complaints(what, missing, counters);
-  if ((missing & core::kGainsFit) != 0) tell_misfit(counters);
+  if ((missing & core::kGainsFit) != 0) tell_gain_fault(counters);
   if ((missing & core::kPlanReady) != 0 && !missions_.plan_trouble().empty()) {
     send_statustext(mav::kSeverityWarning, {"Plan: ", missions_.plan_trouble()}, counters);
   }
 }
 
 /// "LAW_KDR 10 gives a yaw loop of 1.2 s, LAW_KPSI allows 1 s or less."
-void Vehicle::tell_misfit(link::Counters& counters) {
-  const auto found = misfit(parameters_);
+void Vehicle::tell_gain_fault(link::Counters& counters) {
+  const auto found = gain_fault(parameters_);
   if (!found) return;
   const auto rounded = [](float s) {
     return static_cast<float>(portable::nearest(100 * double{s})) / 100;

@@ -176,7 +176,7 @@ class Vehicle {
   void take_setpoint(const PendingRequest& pending);
   std::uint8_t answer_of_fence(DecodedCommand& asked);
   std::optional<PlanReport> plan_report() const;
-  void freshen();
+  void refresh();
   Supervisor::Decision judge(core::Request request);
   std::optional<convert::Position> place() const;
   Supervisor::Decision ask(DecodedCommand& asked);
@@ -188,7 +188,7 @@ class Vehicle {
   void set_parameter(const PendingRequest& pending, const link::ParamSet& asked,
                      link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
-  void tell_misfit(link::Counters& counters);
+  void tell_gain_fault(link::Counters& counters);
   void send_complaints(std::string_view what, core::Conditions unmet, link::Counters& counters);
   void announce_state(core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;

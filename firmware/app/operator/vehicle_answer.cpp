@@ -244,7 +244,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   }
   if (asked.fence) asked.result = answer_of_fence(asked);
   if (asked.message) {
-    freshen();
+    refresh();
     asked.result = answer_of(link, *asked.message);
     if (asked.result != mav::kAccepted) asked.message.reset();
   }

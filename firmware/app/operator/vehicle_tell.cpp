@@ -90,7 +90,7 @@ bool Vehicle::tells_report() {
 void Vehicle::report(const Report& report) {
   report_ = report;
   if (report_.own) report_.own->adrift = !report_.own->located && told_origin_;
-  freshen();
+  refresh();
 }
 
 void Vehicle::tell(link::Counters& counters) {

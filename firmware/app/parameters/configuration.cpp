@@ -104,7 +104,7 @@ Configuration configuration_of(const Parameters& p) {
                     .gcs_limit_us = unless_zero(microseconds(p.FS_GCS_S)),
                     .state_us = period_us(p.SR_STATE),
                     .slow_us = period_us(p.SR_SLOW)},
-      .gains_fit = !misfit(p),
+      .gains_fit = !gain_fault(p),
   };
 }
 

@@ -95,7 +95,7 @@ struct Configuration {
   Propulsion propulsion;
   Failsafes failsafes;
   Operators operators;
-  bool gains_fit = true;  ///< misfit() finds none
+  bool gains_fit = true;  ///< gain_fault() finds none
 };
 
 /// Parameters must be valid.

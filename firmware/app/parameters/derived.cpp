@@ -23,22 +23,22 @@ float root(float x) {
 }
 
 float lag_s(const Parameters& p) {
-  constexpr float kOfMass_s = 0.02F, kMost_s = 0.5F;
+  constexpr float kOfMass_s = 0.02F, kMax_s = 0.5F;
   const float unknown = kOfMass_s * (root(p.VES_M11 / kMass_kg) - 1);
-  return kLoop_s + (p.THR_LAG < 0 ? std::clamp(unknown, 0.0F, kMost_s) : p.THR_LAG);
+  return kLoop_s + (p.THR_LAG < 0 ? std::clamp(unknown, 0.0F, kMax_s) : p.THR_LAG);
 }
 
 /// Rounds to three decimals, so that an operator reads 10 where the result is 9.99998.
 float rounded(float gain) {
-  constexpr float kMost = 10'000;
-  const float thousandths = 1000 * std::clamp(gain, 0.0F, kMost);
+  constexpr float kMax = 10'000;
+  const float thousandths = 1000 * std::clamp(gain, 0.0F, kMax);
   return static_cast<float>(static_cast<std::int32_t>(thousandths + 0.5F)) / 1000;
 }
 
 float current_radps(const Parameters& p) {
-  constexpr float kLeast_radps = 0.1F, kMost = 6;
+  constexpr float kLeast_radps = 0.1F, kMax = 6;
   const float drift_s = p.VES_M22 / p.VES_D22;
-  return kLeast_radps * std::max(1.0F, std::min(drift_s, kMost / drift_s));
+  return kLeast_radps * std::max(1.0F, std::min(drift_s, kMax / drift_s));
 }
 
 float greatest_speed_mps(const Parameters& p) {
@@ -46,9 +46,9 @@ float greatest_speed_mps(const Parameters& p) {
 }
 
 float look_ahead_m(const Parameters& p, float yaw_s) {
-  constexpr float kLeast_m = 1, kMost_m = 100;
+  constexpr float kLeast_m = 1, kMax_m = 100;
   const float damped = std::max(kLeast_m, 2 * greatest_speed_mps(p) * yaw_s);
-  return std::min({p.BOAT_LEN / kLength_m, damped, kMost_m});
+  return std::min({p.BOAT_LEN / kLength_m, damped, kMax_m});
 }
 
 float yaw_rate_radps(const Parameters& p) {
@@ -65,28 +65,28 @@ struct Loop {
   float time_s() const { return m / (d + k); }
 };
 
-std::optional<Misfit> misfit_of(const Loop& loop, const Parameters& p) {
+std::optional<GainFault> gain_fault_of(const Loop& loop, const Parameters& p) {
   const float time_s = loop.time_s(), lag = lag_s(p);
   const float damped = loop.m + loop.d * lag;
   const float least_s = loop.m * loop.m * lag / (damped * damped);
   if (!(p.THR_LAG < 0) && time_s < least_s) {
-    return Misfit{loop.gain, loop.k, time_s, loop.name, "THR_LAG", least_s, true};
+    return GainFault{loop.gain, loop.k, time_s, loop.name, "THR_LAG", least_s, true};
   }
   if (loop.k_outer * time_s <= 1) return std::nullopt;
-  return Misfit{loop.gain, loop.k, time_s, loop.name, loop.outer, 1 / loop.k_outer, false};
+  return GainFault{loop.gain, loop.k, time_s, loop.name, loop.outer, 1 / loop.k_outer, false};
 }
 
 }  // namespace
 
-std::optional<Misfit> misfit(const Parameters& given) {
+std::optional<GainFault> gain_fault(const Parameters& given) {
   const Parameters p = derived(given);
   const Loop surge{p.VES_M11, p.VES_D11, p.LAW_KDU, "LAW_KDU", "surge loop", "LAW_KX", p.LAW_KX};
   const Loop yaw{p.VES_M33, p.VES_D33, p.LAW_KDR, "LAW_KDR", "yaw loop", "LAW_KPSI", p.LAW_KPSI};
-  if (const auto found = misfit_of(surge, p)) return found;
-  if (const auto found = misfit_of(yaw, p)) return found;
+  if (const auto found = gain_fault_of(surge, p)) return found;
+  if (const auto found = gain_fault_of(yaw, p)) return found;
   const float omega = p.LAW_OBS_BW, lag = lag_s(p);
   if (p.THR_LAG < 0 || omega * lag <= 1) return std::nullopt;
-  return Misfit{"LAW_OBS_BW", omega, 1 / omega, "observer", "THR_LAG", lag, true};
+  return GainFault{"LAW_OBS_BW", omega, 1 / omega, "observer", "THR_LAG", lag, true};
 }
 
 Parameters derived(const Parameters& p) {

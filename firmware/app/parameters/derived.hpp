@@ -32,7 +32,7 @@ namespace flotilla::app {
 Parameters derived(const Parameters& p);
 
 /// A gain whose loop has a time constant that does not fit another one.
-struct Misfit {
+struct GainFault {
   std::string_view gain;
   float value;
   float time_s;
@@ -49,6 +49,6 @@ struct Misfit {
 ///   too slow for the outer loop   T_u k_x > 1, T_r k_ψ > 1
 ///
 /// While THR_LAG is unknown nothing is too fast.
-std::optional<Misfit> misfit(const Parameters& p);
+std::optional<GainFault> gain_fault(const Parameters& p);
 
 }  // namespace flotilla::app

@@ -35,12 +35,12 @@ class FenceWatch {
   /// Once a tick.
   void look(const Fence& fence, const Configuration::Stopping& stopping, const Seen& seen);
 
-  /// Courses of core::kCourses, a bit each: at this speed the boat would leave the fence within twice
-  /// the way in which it stops, or, if it is outside, go farther out. 0 if the place is not on the map.
+  /// Bit mask of courses (core::kCourses) on which the boat at this speed would leave the fence
+  /// within twice its stopping distance or, if outside, go farther out. 0 off the map.
   static std::uint16_t closed_courses(const Fence& fence, const convert::Position& place,
                                       const Configuration::Stopping& stopping, Fence::Length speed);
 
-  /// Inside, and stays there; also where there is no fence. Not where the place is unknown.
+  /// True inside and able to stop inside, or without a fence; false if the position is unknown.
   bool stays() const { return stays_; }
   bool is_outside() const { return report_.breached; }
   const FenceReport& report() const { return report_; }

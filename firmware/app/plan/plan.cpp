@@ -67,9 +67,9 @@ PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
 }
 
 PlanFault fault_of_circle(const PlanItem& item, const PlanDefaults& defaults) {
-  constexpr float kMostTurns = 100;
+  constexpr float kMaxTurns = 100;
   const float radius_m = radius_of(item, defaults);
-  if (!(or_zero(item.param[0]) > 0 && is_within(item.param[0], kMostTurns))) {
+  if (!(or_zero(item.param[0]) > 0 && is_within(item.param[0], kMaxTurns))) {
     return {mav::kMissionInvalidParam1, "turns not between 0 and 100"};
   }
   if (!(radius_m >= 1 && radius_m <= kLargestRadius_m)) {
@@ -230,8 +230,8 @@ void PlanReader::note(const PlanItem& item) {
   if (told_mps == -2) speed_mps_ = defaults_.speed_mps;
 }
 
-/// Whether the jump is taken; counts it.
-bool PlanReader::takes_jump(const PlanItem& item) {
+/// Counts the jump; true if it is taken.
+bool PlanReader::take_jump(const PlanItem& item) {
   const float times = or_zero(item.param[1]);
   for (Jump& jump : jumps_) {
     if (jump.taken < 0) jump = {static_cast<std::uint16_t>(at_), 0};
@@ -307,7 +307,7 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
     }
     if (waits(item) && !is_voyage(item) && point) point->wait_s += or_zero(item.param[0]);
     note(item);
-    if (item.command == mav::kDoJump && takes_jump(item)) {
+    if (item.command == mav::kDoJump && take_jump(item)) {
       at_ = jump_of(item, defaults_);
       continue;
     }

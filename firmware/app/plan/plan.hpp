@@ -106,7 +106,7 @@ class PlanReader {
   };
 
   void note(const PlanItem& item);
-  bool takes_jump(const PlanItem& item);
+  bool take_jump(const PlanItem& item);
   PlanPoint point_of(const PlanItem& item, const convert::GlobalPoint& place);
   PlanPoint on_circle(const PlanItem& item);
 

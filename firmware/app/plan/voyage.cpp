@@ -250,7 +250,7 @@ core::Thrust<S> HullVoyage<S>::shares(const Seen& seen, S dt) {
   }
   const S port = S(0.01) * S(step().port), stbd = S(0.01) * S(step().stbd);
   if (step().manoeuvre == Manoeuvre::kStraight) return steered(seen, port);
-  return swaps(seen, dt) ? core::Thrust<S>{stbd, port} : core::Thrust<S>{port, stbd};
+  return update_swapped(seen, dt) ? core::Thrust<S>{stbd, port} : core::Thrust<S>{port, stbd};
 }
 
 /// Steers to course_. The gains are weak enough for every hull: they are shares of its own thrust.
@@ -261,9 +261,9 @@ core::Thrust<S> HullVoyage<S>::steered(const Seen& seen, S surge) const {
   return {surge + d, surge - d};
 }
 
-/// Whether the two propellers have exchanged their thrusts.
+/// Updates whether the two propellers have exchanged their thrusts, and returns it.
 template <class S>
-bool HullVoyage<S>::swaps(const Seen& seen, S dt) {
+bool HullVoyage<S>::update_swapped(const Seen& seen, S dt) {
   if (step().manoeuvre == Manoeuvre::kZigZag) {
     const S off = core::wrap_pi(seen.psi - course_);
     const S twenty_degrees = S(0.35);

@@ -106,7 +106,7 @@ class HullVoyage {
   core::Thrust<S> shares(const Seen& seen, S dt);
   core::Thrust<S> slowed(S port, S stbd) const;
   core::Thrust<S> steered(const Seen& seen, S surge) const;
-  bool swaps(const Seen& seen, S dt);
+  bool update_swapped(const Seen& seen, S dt);
 
   VoyageRoom room_{};
   Phase phase_ = Phase::kOff;

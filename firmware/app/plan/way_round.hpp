@@ -20,7 +20,7 @@ namespace flotilla::app {
 
 class WayRound {
  public:
-  static constexpr std::size_t kMost = 12;  ///< permitted bends; with more, no way is found
+  static constexpr std::size_t kMax = 12;  ///< permitted bends; with more, no way is found
 
   /// Begins a search. The way keeps margin_m from every boundary, or the distance of its two ends
   /// if that is less.
@@ -58,7 +58,7 @@ class WayRound {
   Target goal_{};
   float margin_m_ = 0;
   Length keep_{};  // from the boundaries
-  std::array<Node, kEnds + kMost> nodes_{};
+  std::array<Node, kEnds + kMax> nodes_{};
   std::uint16_t count_ = 0;
   std::uint16_t from_ = 0, at_ = 0;  // the node closed last; the next bend or node to look at
   std::uint32_t drawn_ = 0;          // the map that the places are on

@@ -81,11 +81,11 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
     if (button && button->button == link::Button::kSafety) button_us_ = now_us;
   } else if (is(link::NodeInfo::kRequest) && route->destination == identity_.node) {
     if (const auto transfer = complete(link::NodeInfo::kRequest)) {
-      if (question_count_ == questions_.size()) {
+      if (pending_count_ == pending_.size()) {
         ++counters.can_not_sent;
         return;
       }
-      questions_[question_count_++] = {route->source, route->priority, transfer->transfer_id};
+      pending_[pending_count_++] = {route->source, route->priority, transfer->transfer_id};
     }
   }
 }
@@ -188,7 +188,7 @@ void CanNode::send(const Message& message, const link::DataType& type, std::uint
   transfer_id = static_cast<std::uint8_t>((transfer_id + 1U) & 0x1FU);
 }
 
-void CanNode::answer(const Question& question, std::int64_t now_us, link::Counters& counters,
+void CanNode::answer(const PendingRequest& request, std::int64_t now_us, link::Counters& counters,
                      CanOutput& out) {
   link::NodeInfo info;
   info.status.uptime_sec = uptime_s(*started_us_, now_us);
@@ -198,8 +198,8 @@ void CanNode::answer(const Question& question, std::int64_t now_us, link::Counte
   info.unique_id[15] = identity_.node;
   info.name = "org.flotilla.autopilot";
   constexpr link::DataType type = link::NodeInfo::kResponse;
-  put(info, {question.priority, type.kind, type.id, identity_.node, question.node}, type,
-      question.transfer_id, counters, out);
+  put(info, {request.priority, type.kind, type.id, identity_.node, request.node}, type,
+      request.transfer_id, counters, out);
 }
 
 void CanNode::send(const link::RawCommand& command, bool armed, std::int64_t now_us,
@@ -220,8 +220,8 @@ void CanNode::send(const link::RawCommand& command, bool armed, std::int64_t now
     status.uptime_sec = uptime_s(*started_us_, now_us);
     send(status, link::NodeStatus::kType, kStatusPriority, status_id_, counters, out);
   }
-  for (std::size_t i = 0; i < question_count_; ++i) answer(questions_[i], now_us, counters, out);
-  question_count_ = 0;
+  for (std::size_t i = 0; i < pending_count_; ++i) answer(pending_[i], now_us, counters, out);
+  pending_count_ = 0;
   if (allocation_) {
     send(*allocation_, link::Allocation::kType, kAllocationPriority, allocation_id_, counters, out);
     allocation_.reset();

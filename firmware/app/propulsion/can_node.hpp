@@ -86,7 +86,7 @@ class CanNode {
     std::uint32_t since_reboot_us : 31 = kLongAgo_us;  ///< at heard_us, at most kLongAgo_us
     std::uint32_t is_well : 1 = 0;                     ///< operational and OK
   };
-  struct Question {
+  struct PendingRequest {
     std::uint8_t node;
     std::uint8_t priority;
     std::uint8_t transfer_id;
@@ -101,15 +101,15 @@ class CanNode {
   void take_node_status(std::uint8_t node, const link::NodeStatus& status, std::int64_t now_us);
   static void judge(Esc& esc, std::int64_t since_us);
   void take_esc_status(std::uint8_t node, const link::EscStatus& status, std::int64_t now_us);
-  void answer(const Question& question, std::int64_t now_us, link::Counters& counters,
+  void answer(const PendingRequest& request, std::int64_t now_us, link::Counters& counters,
               CanOutput& out);
 
   Identity identity_;
   link::TransferReceiver receiver_;
   std::array<Esc, std::tuple_size_v<decltype(link::RawCommand::cmd)>> escs_{};  // by ESC index
   std::array<Node, 128> nodes_{};
-  std::array<Question, 4> questions_{};
-  std::size_t question_count_ = 0;
+  std::array<PendingRequest, 4> pending_{};
+  std::size_t pending_count_ = 0;
   link::NodeIdServer node_ids_;
   std::optional<link::Allocation> allocation_;
   std::optional<std::int64_t> foreign_us_;

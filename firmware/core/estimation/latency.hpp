@@ -44,7 +44,7 @@ struct LatencyParams {
   S J_min = S(0.1);  ///< floor of J / Σλ, for the model's error
 };
 
-/// Filter i's numbers are the i-th of each array, so that processors compute several filters at once.
+/// Filter i is element i of each array, so that processors compute several filters at once.
 template <class S>
 struct Latency {
   static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
@@ -66,7 +66,7 @@ struct Latency {
   S weight{};            ///< Σλ
 
   static Filters all(S number) { return Filters::Constant(number); }
-  /// That number for each hypothesis, 0 for the boat that does not respond.
+  /// `number` for each hypothesis, 0 for the boat that does not respond.
   static Filters responding(S number) {
     Filters numbers = all(number);
     numbers(kHypotheses) = S(0);
@@ -74,7 +74,7 @@ struct Latency {
   }
 };
 
-/// Not known where it is unobservable, as in a boat that hardly responds to its moments.
+/// `known` is false while τ is unobservable, as in a boat that hardly responds to its moments.
 template <class S>
 struct Late {
   S tau{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Finds, over minutes, in which numbers of its model a boat is wrong: drag, yaw damping, and the
-// difference between its propellers.
+// Estimates, over minutes, errors of the boat's model: drag, yaw damping, and the difference
+// between its propellers.
 //
 //   over each block of T seconds, bars: means, Δ: changes
 //   y_u = m11 Δu_w/T − X̄ − m22 v̄_w r + D̄_u u = −δ D̄_u u − β N̄/a  + [F_n F_e] [cos̄ψ sin̄ψ]ᵀ
@@ -16,15 +16,16 @@
 //  D_u, D_r   damping at that speed: d11 + d11q |u|, d33 + d33u |u|     kg/s, kg m²/s
 //  δ, γ       share by which drag, yaw damping exceed the model's       1          −0.9 … 3
 //  β          share by which the starboard propeller is stronger than
-//             it is told to be, and the port one weaker                 1          ±0.5
+//             its model, and the port one weaker                        1          ±0.5
 //  F, G       what wind, waves and an unknown current do               N, N m
 //  T          length of a block                                         s          5
 //
-// Not in paper. The law's observer finds the sum of all that the model lacks, at once; this one
-// finds whose share of it persists. A wind keeps its direction over ground, so F and G turn in the
-// boat's axes while δ, γ and β do not: on one course, or in one steady turn, they cannot be told
-// apart, and P stays great. Gusts are alike from block to block, so ρ counts them for less. y and φ
-// are divided by the damping at 1 m/s or 1 rad/s: hulls of any size have the same P, Q and R.
+// Not in paper. The law's observer finds the sum of all unmodelled forces at once; this filter
+// finds their persistent causes. A wind keeps its direction over ground, so F and G turn in the
+// boat's axes, while δ, γ and β do not: on one course, or in one steady turn, they are not
+// observable separately, and P stays large. Gusts are correlated from block to block: ρ reduces
+// their weight. y and φ are divided by the damping at 1 m/s or 1 rad/s, so that hulls of any size
+// have the same P, Q and R.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,10 +40,10 @@ struct ModelErrorParams {
   S m11{}, m22{}, m33{};
   S d11{}, d33{}, d11q{}, d33u{};
   S a{};      ///< half the distance between the propellers, m
-  S r_max{};  ///< blocks of faster turns are not used: damping is not linear there; 0: no limit
+  S r_max{};  ///< blocks with faster turns are skipped: damping is not linear there; 0: no limit
   S T = S(5);
   S least_V = S(0.00004);
-  int memory = 24;  ///< blocks that V and ρ are means of
+  int memory = 24;  ///< averaging length of V and ρ, blocks
 };
 
 template <class S>
@@ -168,7 +169,7 @@ bool model_error_forward(const ModelErrorParams<S>& params, ModelError<S>& state
   return used;
 }
 
-/// The block so far is given up: the boat was held, or its motion unknown.
+/// Discards the current block: the boat was held, or its motion unknown.
 template <class S>
 void model_error_interrupt(ModelError<S>& state) {
   state.block = {};
@@ -197,7 +198,7 @@ Share<S> balance_error(const ModelError<S>& state) {
   return {w_u * state.surge.x(1) + w_r * state.yaw.x(1), w_u * P_u + w_u * w_r * apart * apart};
 }
 
-/// The model has taken over a share of each: β of the propellers, δ of the drag.
+/// Removes what the model has been corrected by: β of the propellers, δ of the drag.
 template <class S>
 void model_error_applied(ModelError<S>& state, S beta, S delta) {
   state.surge.x(1) = state.surge.x(1) - beta;

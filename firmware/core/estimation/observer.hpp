@@ -20,8 +20,8 @@
 //  x̄, x̂   mean of a step's beginning and end; prediction
 //
 // Source: paper (eq:1b). Not in paper, which knows the state at every instant: with k_dr = 10 the
-// yaw loop needs the yaw rate more than 27 times a second, but many navigation units give it 5
-// times. The observer uses the applied wrench, so that b does not wind up where the propellers
+// yaw loop needs the yaw rate at more than 27 Hz, but many navigation units give it at 5 Hz. The
+// observer uses the applied wrench, so that b does not wind up where the propellers
 // saturate. The current is the sway error that keeps its direction over ground on every heading.
 //
 // Q16.16: tested within ±500 (wrench given, N)
@@ -42,7 +42,7 @@ struct ObserverParams {
   S c_max = S(2);
 };
 
-/// The latest applied wrenches, the newest at `last`; short steps are averaged, up to 10 ms.
+/// The latest applied wrenches, the newest at `last`; steps shorter than 10 ms are averaged.
 template <class S>
 struct WrenchHistory {
   static constexpr int kLength = 64;
@@ -96,7 +96,7 @@ Motion<S> observer_step(const Vessel<S>& m, const Observer<S>& now, const Tau<S>
           {a_u - d_u * next.u, a_v - m.d22_m22 * next.v, a_r - d_r * next.r}};
 }
 
-/// Limits each component to ±most; beyond any boat's reach, the arithmetic has diverged.
+/// Limits each component to ±most.
 template <class S>
 Nu<S> bounded(const Nu<S>& nu, const Nu<S>& most) {
   return {clamp(nu.u, -most.u, most.u), clamp(nu.v, -most.v, most.v), clamp(nu.r, -most.r, most.r)};
@@ -109,6 +109,7 @@ void observer_carry(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& t
   while (S(0) < left) {
     const S h = min(left, S(0.02));
     state.motion = observer_step(vessel, state, tau, h);
+    // Beyond any boat's reach: there the arithmetic has diverged.
     state.motion.nu = bounded(state.motion.nu, Nu<S>{S(50), S(50), S(50)});
     left = left - h;
   }
@@ -166,7 +167,7 @@ void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observe
                     const Nu<S>& innovation, S k, S dt) {
   const auto gain_of = [&](S omega) { return k * omega / (S(1) + omega * dt); };
   const auto learnt_of = [](S omega, S gain, S b, S off, Carry<S>& rest) {
-    return S(0) < omega ? b + rest.take(gain, off) : S(0);  // off: none is known
+    return S(0) < omega ? b + rest.take(gain, off) : S(0);  // off: b is not estimated
   };
   // The current integrates b_v, which must therefore be much faster.
   const S omega_v = max(params.omega, S(10) * params.omega_c);
@@ -200,16 +201,17 @@ void observer_correct(const ObserverParams<S>& params, const Vessel<S>& vessel, 
     return;
   }
   const S k = share_of_fix(params, fix.dt);
-  const Motion<S> said = state.motion;
-  const Nu<S> innovation = {said.nu.u - expected.nu.u, said.nu.v - expected.nu.v,
-                            said.nu.r - expected.nu.r};
+  const Motion<S> measured = state.motion;
+  const Nu<S> innovation = {measured.nu.u - expected.nu.u, measured.nu.v - expected.nu.v,
+                            measured.nu.r - expected.nu.r};
   if (k < S(1)) {
     const S rest = S(1) - k;
-    const S psi_off = wrap_pi(expected.psi - said.psi);
-    const Vec2<S> off = {fix.expected_n.x - said.moved_n.x, fix.expected_n.y - said.moved_n.y};
-    state.motion.moved_n = {said.moved_n.x + state.moved_rest.x.take(rest, off.x),
-                            said.moved_n.y + state.moved_rest.y.take(rest, off.y)};
-    state.motion.psi = said.psi + state.psi_rest.take(rest, psi_off);
+    const S psi_off = wrap_pi(expected.psi - measured.psi);
+    const Vec2<S> off = {fix.expected_n.x - measured.moved_n.x,
+                         fix.expected_n.y - measured.moved_n.y};
+    state.motion.moved_n = {measured.moved_n.x + state.moved_rest.x.take(rest, off.x),
+                            measured.moved_n.y + state.moved_rest.y.take(rest, off.y)};
+    state.motion.psi = measured.psi + state.psi_rest.take(rest, psi_off);
     state.motion.nu = {expected.nu.u + state.nu_rest.u.take(k, innovation.u),
                        expected.nu.v + state.nu_rest.v.take(k, innovation.v),
                        expected.nu.r + state.nu_rest.r.take(k, innovation.r)};

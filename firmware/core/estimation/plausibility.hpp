@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a vessel can have moved from one reported state to the next, and the size of the error.
+// Judges whether a vessel can have moved from one reported state to the next.
 //
 //   w = min(a h, V)          w_r = min(a_r h, R)
 //   |Δp − ½ λ h (v₀ + v₁)| ≤ p_0 + 8 s + ½ h w            |Δψ − ½ λ h (r₀ + r₁)| ≤ ψ_0 + ½ h w_r

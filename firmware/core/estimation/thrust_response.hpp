@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether the boat responds to its propellers: how much of the wrench appears in its momentum.
+// Detects a boat that does not respond to its propellers: how much of the wrench appears in its
+// momentum.
 //
 //   ŵ = (m11 (u − ū) / T + ⟨d11 u − m22 v r⟩) / X₀        observed wrench, in units of X₀
 //   g = ⟨X⟩ / X₀                                          applied wrench, equally smoothed
@@ -18,10 +19,10 @@
 //  ε         least share of the wrench to be observed           1
 //  h         step                                               s            0 … 1
 //
-// Not in paper. It needs no derivative and no observer; an observer would take a dead propeller for
-// an unknown force. Without disturbances P ≥ Q for every boat whose parameters are wrong by no more
+// Not in paper. It needs no derivative and no observer, which would take a dead propeller for an
+// unknown force. Without disturbances P ≥ Q for every boat whose parameters are wrong by no more
 // than μ; in yaw, where disturbances are greater, ε is smaller. A boat at its desired velocity
-// responds, whatever else acts: in a stream it takes thrust to stand still.
+// counts as responding, because in a current it may need thrust to stand still.
 //
 // Q16.16: tested within ±500 (wrench given, N)
 #pragma once

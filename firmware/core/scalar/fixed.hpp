@@ -95,7 +95,7 @@ class Q16 {
     return whole + ((rest + odd + (1U << (n - 1)) - 1) >> n);
   }
 
-  /// x / 2¹⁶, for |x| < 2⁶³ − 2¹⁶, as any product is; does not wrap.
+  /// x / 2¹⁶ for |x| < 2⁶³ − 2¹⁶, which every product satisfies; does not wrap.
   static constexpr Q16 rounded(std::int64_t x) {
     const std::uint32_t odd = static_cast<std::uint32_t>(x) >> 16 & 1;
     const std::int64_t raw = (x + (0x7FFF + odd)) >> 16;

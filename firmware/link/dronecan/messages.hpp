@@ -21,7 +21,7 @@ struct RawCommand {
   std::array<std::int16_t, 20> cmd{};
 };
 
-/// uavcan.equipment.esc.RPMCommand: no boat sends it.
+/// uavcan.equipment.esc.RPMCommand: not sent by this firmware.
 struct RpmCommand {
   static constexpr DataType kType{TransferKind::kMessage, 1031, 0xCE0F9F621CF7E70BULL};
 };
@@ -39,7 +39,7 @@ struct SafetyState {
   std::uint8_t status = 0;
 };
 
-/// ardupilot.indication.Button: sent while it is pressed.
+/// ardupilot.indication.Button: sent while the button is pressed.
 struct Button {
   static constexpr DataType kType{TransferKind::kMessage, 20001, 0x0645A46EFBA7466EULL};
   static constexpr std::uint8_t kSafety = 1;
@@ -102,7 +102,7 @@ std::size_t write_payload(const EscStatus& message, Payload& out);
 std::size_t write_payload(const NodeInfo& message, Payload& out);
 std::size_t write_payload(const Allocation& message, Payload& out);
 
-/// Each returns nothing when the payload is too short for its type.
+/// Each returns nullopt if the payload is too short for its type.
 std::optional<RawCommand> read_raw_command(std::span<const std::uint8_t> payload);
 std::optional<ArmingStatus> read_arming_status(std::span<const std::uint8_t> payload);
 std::optional<SafetyState> read_safety_state(std::span<const std::uint8_t> payload);

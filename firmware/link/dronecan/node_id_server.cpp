@@ -31,11 +31,11 @@ std::uint8_t NodeIdServer::node_for(const UniqueId& unique_id, std::uint8_t pref
     if (entry.unique_id == unique_id) return entry.node;
   }
   // From the preferred id upwards, then downwards; without a preference from the top.
-  const unsigned wish = preferred == 0 ? kHighestNode : preferred;
-  for (unsigned node = wish; node <= kHighestNode; ++node) {
+  const unsigned desired = preferred == 0 ? kHighestNode : preferred;
+  for (unsigned node = desired; node <= kHighestNode; ++node) {
     if (restore({unique_id, static_cast<std::uint8_t>(node)})) return table_[count_ - 1].node;
   }
-  for (unsigned node = std::min(wish, kHighestNode); node >= 1; --node) {
+  for (unsigned node = std::min(desired, kHighestNode); node >= 1; --node) {
     if (restore({unique_id, static_cast<std::uint8_t>(node)})) return table_[count_ - 1].node;
   }
   return 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Allocates node ids to DroneCAN nodes without one, as common ESCs are shipped.
+// Allocates ids to DroneCAN nodes that have none, such as ESCs as they are shipped.
 // Source: DroneCAN specification, chapter 6 "Dynamic node ID allocation", a single allocator.
 #pragma once
 
@@ -27,7 +27,7 @@ class NodeIdServer {
   /// Marks an id as in use on the bus, whoever allocated it.
   void occupied(std::uint8_t node) { occupied_[node & 0x7FU] = true; }
 
-  /// The answer to an anonymous node's request; nothing if it is out of turn or the table is full.
+  /// The answer to an anonymous node's request; nullopt if it is out of turn or the table is full.
   std::optional<Allocation> answer(const Allocation& request, std::int64_t now_us);
 
   std::span<const Entry> table() const { return {table_.data(), count_}; }

@@ -43,14 +43,16 @@ struct Route {
 
 std::uint32_t can_id_of(const Route& route);
 
-/// Nothing for an id above 29 bits or a service from or to node 0.
+/// nullopt for an id above 29 bits or a service from or to node 0.
 std::optional<Route> route_of(std::uint32_t can_id);
 
 /// Splits a payload into frames; returns their number, or 0 if `out` is too short.
-std::size_t split_transfer(const Route& route, const DataType& type, std::uint8_t transfer_id,
-                           std::span<const std::uint8_t> payload, std::span<CanFrame> out);
+[[nodiscard]] std::size_t split_transfer(const Route& route, const DataType& type,
+                                         std::uint8_t transfer_id,
+                                         std::span<const std::uint8_t> payload,
+                                         std::span<CanFrame> out);
 
-/// Reassembles transfers of any number of senders; when full, drops the one silent for longest.
+/// Reassembles transfers of any number of senders; when full, drops the longest silent one.
 class TransferReceiver {
  public:
   struct Transfer {
@@ -71,7 +73,7 @@ class TransferReceiver {
     bool toggle = false;
     std::uint8_t size = 0;
     std::int64_t last_us = 0;
-    std::array<std::uint8_t, 64> buffer{};  ///< CRC and payload; no longer transfer concerns us
+    std::array<std::uint8_t, 64> buffer{};  ///< CRC and payload; longer transfers are not read
   };
 
   Session& session_of(std::uint32_t key);

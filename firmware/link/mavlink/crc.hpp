@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// MAVLink's checksum, CRC-16/MCRF4XX: reflected polynomial 0x8408, initial value 0xFFFF. By tables,
-// eight bytes at a time, four on a microcontroller, whose flash is short: the generated
-// crc_calculate() works bit by bit and took half of the decoding time. Source: M. E. Kounavis, F. L.
-// Berry, A Systematic Approach to Building High Performance Software-based CRC Generators ("slicing
-// by 8").
+// MAVLink's checksum, CRC-16/MCRF4XX: reflected polynomial 0x8408, initial value 0xFFFF. Uses tables,
+// eight bytes at a time (four on a microcontroller, to save flash): the generated crc_calculate()
+// works bit by bit and took half of the decoding time. Source: M. E. Kounavis, F. L. Berry, A
+// Systematic Approach to Building High Performance Software-based CRC Generators ("slicing by 8").
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@
 
 namespace flotilla::link {
 
-/// By half bytes: files and plans are short, and a table of bytes is a kilobyte.
+/// Indexed by half bytes: files and plans are short, and a table for whole bytes takes a kilobyte.
 inline constexpr std::array<std::uint32_t, 16> kCrc32Table = [] {
   std::array<std::uint32_t, 16> table{};
   for (std::uint32_t half = 0; half < table.size(); ++half) {

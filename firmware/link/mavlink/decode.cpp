@@ -14,14 +14,14 @@ namespace {
 
 constexpr std::uint8_t kEverybody = 0;
 
-/// Whether such a frame can exist. If not, it is noise, and waiting for its end would delay others.
+/// Whether the header can begin a frame. Waiting for the end of noise would delay later frames.
 bool plausible(std::uint8_t start, const FrameHeader& h, const MavlinkEntry* entry) {
   return start == kStart1 ? entry != nullptr && h.payload_bytes == entry->min_bytes
                           : h.payload_bytes > 0 && h.is_known();
 }
 
-/// The checksum seed of a message outside our dialect is unknown. If another frame or nothing
-/// follows, the message counts as whole, so that its contents are not searched for messages.
+/// Whether a message outside our dialect, whose checksum seed is unknown, counts as whole: another
+/// frame or nothing follows. Then its contents are not searched for messages.
 bool ends_well(std::span<const std::uint8_t> b, std::size_t frame_bytes) {
   return b.size() == frame_bytes || is_start(b[frame_bytes]);
 }
@@ -118,7 +118,7 @@ bool MavlinkDecoder::next(Received& out, Counters& counters, Signing* signing) {
     if (is_signed && !accepted(verdict, counters) && !untimely) continue;
     const auto payload = b.subspan(header->header_bytes, header->payload_bytes);
     read_payload(payload, header->id, out.message);
-    if (untimely && !signing->exempts(b.first(frame_bytes), out.message)) continue;
+    if (untimely && !signing->take_exemption(b.first(frame_bytes), out.message)) continue;
     frame_size_ = frame_bytes;
     ++counters.mavlink_received;
     out.from = header->from;

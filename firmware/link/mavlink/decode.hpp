@@ -30,10 +30,10 @@ class MavlinkDecoder {
 
   /// The next whole message with a good checksum and, with `signing`, no bad signature. Without
   /// `signing`, signatures are ignored, and no message counts as signed.
-  std::optional<Received> next(Counters& counters, Signing* signing = nullptr);
+  [[nodiscard]] std::optional<Received> next(Counters& counters, Signing* signing = nullptr);
 
   /// The same into `out`, which has the size of the largest message; false if there is none.
-  bool next(Received& out, Counters& counters, Signing* signing = nullptr);
+  [[nodiscard]] bool next(Received& out, Counters& counters, Signing* signing = nullptr);
 
   /// The bytes of the message that next() returned last, for forwarding unchanged; empty if it
   /// returned nothing. Valid until the next call of next() or fill().

@@ -36,7 +36,7 @@ struct FrameHeader {
   }
 };
 
-/// Nothing if the header is incomplete, or no frame begins here.
+/// nullopt if the header is incomplete, or no frame begins here.
 inline std::optional<FrameHeader> read_header(std::span<const std::uint8_t> b) {
   if (b.size() >= kHeaderBytes2 && b[0] == kStart2) {
     const std::uint32_t id = b[7] | std::uint32_t{b[8]} << 8U | std::uint32_t{b[9]} << 16U;
@@ -70,7 +70,7 @@ struct FrameSender {
 
 /// Writes a MAVLink 2 frame without the zeros at the payload's end and without the signature block.
 /// Returns its length, or 0 if `out` is too short for frame and block.
-std::size_t write_frame(FrameType type, const std::uint8_t* payload, FrameSender sender,
-                        std::span<std::uint8_t> out);
+[[nodiscard]] std::size_t write_frame(FrameType type, const std::uint8_t* payload,
+                                      FrameSender sender, std::span<std::uint8_t> out);
 
 }  // namespace flotilla::link

@@ -134,7 +134,7 @@ FtpServer::Client& FtpServer::client_of(const Peer& peer, std::int64_t now_us) {
     });
     *place = Client{};
     place->peer = peer;
-    place->served = served_;  // a new client waits its turn
+    place->served = served_;  // a new client is served last
   }
   place->used_us = now_us;
   return *place;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The MAVLink protocol's numbers that this firmware uses. Source: mavlink.io, common message set.
+// Numbers of the MAVLink protocol used by this firmware. Source: mavlink.io, common message set.
 #pragma once
 
 #include <cstdint>

@@ -20,7 +20,7 @@ struct Received {
   bool is_signed = false;  ///< with a good signature; forged messages never get here
 };
 
-/// A state message, which comes a hundred times more often than the others.
+/// A vessel's state; such messages are a hundred times as frequent as the others.
 inline bool tells_motion(const Message& message) {
   return std::holds_alternative<Attitude>(message) ||
          std::holds_alternative<LocalPositionNed>(message) ||

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Constant text that takes less flash: by byte pair encoding (P. Gage, 1994) a byte that the text
-// lacks stands for two others, which may stand for pairs themselves. Pages of equal length are
-// packed one by one, so that reading from the middle is quick.
+// Constant text compressed by byte pair encoding (P. Gage, 1994), to save flash: a byte value that
+// the text does not use stands for two others, which may stand for pairs themselves. Pages of equal
+// length are packed separately, so that reading from the middle is quick.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ class PackedText {
 
   constexpr explicit PackedText(const Packed& packed) : packed_(packed) {}
 
-  /// Text as it is, which must outlive this.
+  /// Uncompressed text, which must outlive this.
   template <std::convertible_to<std::string_view> Text>
   constexpr PackedText(const Text& text)  // NOLINT(google-explicit-constructor)
       : plain_(text),

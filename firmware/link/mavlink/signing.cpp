@@ -15,10 +15,10 @@ namespace {
 constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01, since 1970
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
 constexpr std::uint64_t kSecond = 100'000, kMinute = 60 * kSecond, kDay = 1440 * kMinute;
-// pymavlink starts its timestamps at its clock, then adds one for each message, and follows newer
-// ones that it hears: those of a sender that hears nobody lag behind its clock. This many of its
-// messages may be lost in a row. Timestamps in a recording of a sender that stamps by its clock are
-// further apart, so a replay does not pass.
+// pymavlink starts its timestamps at its clock, adds one for each message, and follows newer ones
+// that it receives. A pymavlink sender that receives nothing falls behind its clock. This many of
+// its messages may be lost in a row. A recording of a sender that stamps by its clock has greater
+// steps, so its replay does not pass.
 constexpr std::uint64_t kDragged = 500;
 constexpr std::size_t kTimestampBytes = 6, kDigestBytes = 6;
 
@@ -44,7 +44,7 @@ std::array<std::uint8_t, kDigestBytes> digest(const SigningKey& key,
   return result;
 }
 
-/// Takes constant time, wherever the first difference is.
+/// Compares in constant time.
 bool equal(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) {
   unsigned difference = 0;
   for (std::size_t i = 0; i < kDigestBytes; ++i) difference |= unsigned{a[i]} ^ unsigned { b[i] };
@@ -74,13 +74,13 @@ void Signing::set_clock(std::uint64_t now, bool known) {
 
 std::uint32_t Signing::clock_s() const { return static_cast<std::uint32_t>(clock_ / kSecond); }
 
-/// Whether a restart may have made a sender's first message valid again. A timestamp stored a day ahead
-/// of a known clock came from a wrong clock and does not count.
+/// Whether a restart may have made a sender's first message valid again. A timestamp stored a day
+/// ahead of a known clock came from a wrong clock and does not count.
 bool Signing::may_be_old(std::uint64_t timestamp) const {
   return timestamp <= stored_ && (!known_ || stored_ < clock_ + kDay);
 }
 
-/// Whether the sender's timestamps count its messages, without a minute of silence so far.
+/// Whether the sender's timestamps count its messages, and it was heard within the last minute.
 bool Signing::drags(const Stream& stream, std::uint64_t timestamp) const {
   return stream.heard_s != 0 && clock_s() - stream.heard_s < kMinute / kSecond &&
          timestamp - stream.timestamp <= kDragged;
@@ -128,7 +128,7 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
   return kGood;
 }
 
-bool Signing::exempts(std::span<const std::uint8_t> frame, const Message& message) {
+bool Signing::take_exemption(std::span<const std::uint8_t> frame, const Message& message) {
   if (exemption_ == nullptr || !exemption_(message)) return false;
   const auto block = frame.last(kSignatureBlockBytes);
   const std::uint64_t timestamp = read_timestamp(block.subspan(1));

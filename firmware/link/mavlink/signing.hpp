@@ -3,9 +3,9 @@
 //
 // signature = first 48 bits of SHA-256(key ‖ frame ‖ link id ‖ timestamp). A timestamp counts 10 µs
 // since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Unlike there, our own clock
-// alone judges timestamps once it is known, with a minute of tolerance either way. In the source a
-// received timestamp advances the receiver's own, so one from the future shuts out every sender
-// with a correct clock; and a known stream may be of any age, so messages recorded from
+// alone judges timestamps once it is known, with a tolerance of a minute either way. In the source,
+// a received timestamp advances the receiver's own, so that one from the future shuts out every
+// sender with a correct clock; and a known stream may be of any age, so that messages recorded from
 // a jammed radio are obeyed hours later.
 #pragma once
 
@@ -29,8 +29,8 @@ enum class SignatureVerdict : std::uint8_t {
   kGood,
   kForged,    ///< another key, or altered data
   kReplayed,  ///< not newer than this stream's latest timestamp
-  kStale,     ///< more than a minute behind our clock, and not a lagging counter; or a sender's
-              ///< first, not newer than what was stored before the start
+  kStale,     ///< more than a minute old, and not a lagging counter; or a first message not newer
+              ///< than the stored time
   kFuture,    ///< more than a minute ahead of our clock
   kNoRoom,    ///< a new stream, but no room for it
 };
@@ -53,26 +53,26 @@ class Signing {
   explicit Signing(std::span<Stream> room = {}, Exemption exemption = nullptr)
       : room_(room), exemption_(exemption) {}
 
-  /// Forgets all streams. clock: known, as for set_clock(); stored: an earlier run's timestamp(), or
-  /// 0: the first message of each stream must be newer.
+  /// Forgets all streams. clock: known, as for set_clock(). stored: an earlier run's timestamp(),
+  /// or 0; the first message of each stream must be newer.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
 
-  /// Sets our clock. If it is known, it judges received timestamps. If it is a guess, ours follow the
-  /// newest of them. Sent timestamps never go back.
+  /// Sets our clock. A known clock judges received timestamps; with a guessed one, sent timestamps
+  /// follow the newest received. Sent timestamps never go back.
   void set_clock(std::uint64_t now, bool known = true);
   bool knows_clock() const { return known_; }
 
-  /// Our last sent timestamp. Store it every few seconds for the next start: messages that came
-  /// since the last storing can be repeated after a restart.
+  /// Our last sent timestamp. Store it every few seconds for the next start: messages received
+  /// since then can be replayed after a restart.
   std::uint64_t timestamp() const { return timestamp_; }
 
   /// Verifies a whole signed MAVLink 2 frame. Only a good one changes the state.
   SignatureVerdict check(std::span<const std::uint8_t> frame);
 
-  /// Whether this frame is accepted although check() returned kStale or kFuture.
-  bool exempts(std::span<const std::uint8_t> frame, const Message& message);
+  /// Accepts a frame although check() returned kStale or kFuture; true once for each such frame.
+  bool take_exemption(std::span<const std::uint8_t> frame, const Message& message);
 
   /// Writes the signature block of a frame, which has its signed flag set and ends with its
   /// checksum. Timestamps are unique across all links.

@@ -102,7 +102,7 @@ std::string McastBus::fault() const {
 }
 
 int McastBus::open(Sockets& fresh) const {
-  // Bound to the group, not to INADDR_ANY: otherwise the other buses, on the same port, arrive too.
+  // Bound to the group, not to INADDR_ANY, which would also receive the other buses on this port.
   FileDescriptor in = udp_socket();
   FileDescriptor out = udp_socket();
   const ip_mreqn membership{group_.sin_addr, interface_, 0};

@@ -72,7 +72,7 @@ struct Ending {
 
 /// Reads the options and the file that --config names. A mistake gives one line with the file, line
 /// and key, or the option, and the allowed values. `arguments` begins with the program's name.
-/// Running `by_root` is a mistake, reported before any file is opened.
+/// Running as root (`by_root`) is an error, reported before any file is opened.
 std::variant<Config, Ending> read_config(std::span<const char* const> arguments, bool by_root);
 
 void apply(const ParameterOverrides& overrides, app::Parameters& parameters);

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "linux/files/durable_file.hpp"
-#include "linux/system/first_complaint.hpp"
+#include "linux/system/first_error.hpp"
 #include "linux/system/repeating_thread.hpp"
 
 namespace flotilla::target {
@@ -45,7 +45,7 @@ class ListSaver {
   }
 
   /// The first error with the file, once. Writing is retried.
-  std::optional<std::string> complaint() { return complaint_.take(); }
+  std::optional<std::string> error() { return error_.take(); }
 
  private:
   void write() {
@@ -58,9 +58,9 @@ class ListSaver {
       }
       const auto fault = replace_file(path_, text);
       if (!fault) return;
-      complaint_.put(*fault);
+      error_.put(*fault);
     } catch (const std::exception& error) {  // out of memory: retried as well
-      complaint_.put(error.what());
+      error_.put(error.what());
     }
     const std::scoped_lock lock(mutex_);
     changed_ = true;
@@ -71,7 +71,7 @@ class ListSaver {
   std::mutex mutex_;  // of the next two; never held during a write
   std::vector<Item> items_;
   bool changed_ = false;
-  FirstComplaint complaint_;
+  FirstError error_;
   RepeatingThread writer_;
 };
 

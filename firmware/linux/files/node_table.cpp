@@ -13,7 +13,7 @@ namespace {
 
 using Entry = link::NodeIdServer::Entry;
 
-constexpr std::size_t kMostEntries = 128;
+constexpr std::size_t kMaxEntries = 128;
 
 std::string table_text(std::span<const Entry> table) {
   std::string text;
@@ -31,7 +31,7 @@ std::string table_text(std::span<const Entry> table) {
 }  // namespace
 
 NodeTable::NodeTable(const std::filesystem::path& path, std::chrono::milliseconds every)
-    : path_(path), saver_(path, kMostEntries, table_text, every, "the node ids' saver") {}
+    : path_(path), saver_(path, kMaxEntries, table_text, every, "the node ids' saver") {}
 
 void NodeTable::load(link::NodeIdServer& server) {
   std::istringstream lines(read_file(path_).text);

@@ -28,7 +28,7 @@ class NodeTable {
   bool save(const link::NodeIdServer& server);
 
   /// The first error with the file, once. Writing is retried.
-  std::optional<std::string> complaint() { return saver_.complaint(); }
+  std::optional<std::string> error() { return saver_.error(); }
 
  private:
   std::filesystem::path path_;

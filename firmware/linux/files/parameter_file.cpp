@@ -184,7 +184,8 @@ LoadedParameters load_parameters(const std::filesystem::path& path) {
   if (file == Found::kAbsent) loaded.notes.push_back(path.filename().string() + " is missing");
   if (previous == Found::kGood) {
     loaded.source = ParameterSource::kPrevious;
-    if (file == Found::kAnotherFormat) loaded.must_be_confirmed = true;  // they are old
+    if (file == Found::kAnotherFormat)
+      loaded.must_be_confirmed = true;  // the previous ones are older
     loaded.notes.push_back("parameters loaded from " + previous_path.filename().string());
     return loaded;
   }

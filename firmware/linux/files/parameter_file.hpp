@@ -35,9 +35,8 @@ enum class ParameterSource : std::uint8_t {
 struct LoadedParameters {
   app::Parameters values;  ///< each valid, without contradictions
   ParameterSource source = ParameterSource::kFirstStart;
-  /// Values are defaults that nobody chose, or older than a file of another format: no arming
-  /// until an operator has checked and saved. The program must not save by itself before (at exit,
-  /// say), or the next start would not ask again.
+  /// Unconfirmed defaults, or older values: arming is blocked until an operator saves. Never
+  /// autosave before, or the next start would not ask again.
   bool must_be_confirmed = false;
   std::vector<std::string> unknown;  ///< unknown lines, kept for the next save
   std::vector<std::string> notes;    ///< sentences for the operator

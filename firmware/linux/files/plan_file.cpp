@@ -13,7 +13,7 @@
 namespace flotilla::target {
 namespace {
 
-constexpr std::size_t kMostItems = 1000;
+constexpr std::size_t kMaxItems = 1000;
 
 std::string title_of(const std::filesystem::path& path) {
   return "flotilla-" + path.stem().string() + " 1\n";
@@ -70,7 +70,7 @@ LoadedPlan load_plan(const std::filesystem::path& path) {
   std::size_t at = title_of(path).size();
   for (std::size_t end; (end = content.text.find('\n', at)) != std::string::npos; at = end + 1) {
     const std::string line = content.text.substr(at, end - at);
-    if (line.starts_with("crc32") || loaded.items.size() >= kMostItems) break;
+    if (line.starts_with("crc32") || loaded.items.size() >= kMaxItems) break;
     loaded.items.push_back(item_of(line));
   }
   if (content.text != plan_text(path, loaded.items))
@@ -80,7 +80,7 @@ LoadedPlan load_plan(const std::filesystem::path& path) {
 
 PlanSaver::PlanSaver(const std::filesystem::path& path, std::chrono::milliseconds every)
     : ListSaver(
-          path, kMostItems, [path](app::Plan plan) { return plan_text(path, plan); }, every,
+          path, kMaxItems, [path](app::Plan plan) { return plan_text(path, plan); }, every,
           "a plan's saver") {}
 
 }  // namespace flotilla::target

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The boat's plan, fence or rally points on disk: bit for bit as their sender gave them, with a
+// The boat's plan, fence or rally points on disk, bit for bit as received, with a
 // checksum. The first line names the kind, as the file's name does.
 //
 //   flotilla-plan 1

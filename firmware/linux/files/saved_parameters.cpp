@@ -7,7 +7,7 @@
 namespace flotilla::target {
 namespace {
 
-// Minimum interval of saves: not every step of a slider goes to the disk.
+// Minimum interval of saves, so that not every step of a slider is written.
 constexpr std::int64_t kSaveEvery_us = 1'000'000;
 
 }  // namespace
@@ -36,7 +36,7 @@ std::vector<std::string> SavedParameters::finish(app::SaveRequest request,
   saver_.finish();
   add(outcome());
   note_changes(request, in_force);
-  // A file that could not be used stays, for an operator to look at, until somebody asks to save.
+  // An unusable file stays, for an operator to inspect, until a save is requested.
   const bool is_ours = !must_be_confirmed() && loaded_.source != ParameterSource::kPrevious;
   if (is_ours || may_save()) {
     add(saved("at exit", save_parameters(file_, loaded_.values, loaded_.unknown)));

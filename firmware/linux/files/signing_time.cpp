@@ -58,9 +58,9 @@ SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp,
 void SigningTime::write() {
   try {
     const std::string text = text_of(timestamp_.load(std::memory_order_relaxed));
-    if (const auto fault = replace_file(path_, text)) complaint_.put(*fault);
+    if (const auto fault = replace_file(path_, text)) error_.put(*fault);
   } catch (const std::exception& error) {  // out of memory: retried as well
-    complaint_.put(error.what());
+    error_.put(error.what());
   }
 }
 

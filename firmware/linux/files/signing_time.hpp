@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Saves the timestamp of MAVLink 2 signing across restarts: it must not go back even if the clock
 // does, or old messages would pass for new. Messages stamped after the last saved time can be
-// repeated after a sudden end of the program. So it is saved every 5 s; more often would wear an SD
-// card, since each saving syncs file and folder.
+// replayed after a crash. It is saved every 5 s: more often would wear an SD card, because each save
+// syncs file and folder.
 //
 //   flotilla-signing-time 1 37500000000000
 //   crc32 = 89ABCDEF
@@ -15,7 +15,7 @@
 #include <optional>
 #include <string>
 
-#include "linux/system/first_complaint.hpp"
+#include "linux/system/first_error.hpp"
 #include "linux/system/repeating_thread.hpp"
 
 namespace flotilla::target {
@@ -29,8 +29,7 @@ struct StoredSigningTime {
 StoredSigningTime load_signing_time(const std::filesystem::path& path);
 
 /// Writes at once, at an interval and at the end, in its own thread: an armed boat must not wait
-/// for the disk. put() and complaint() are for the control loop; they never block, throw or
-/// allocate.
+/// for the disk. put() and error() are for the control loop; they never block, throw or allocate.
 class SigningTime {
  public:
   /// Throws std::system_error if the thread cannot be started.
@@ -43,7 +42,7 @@ class SigningTime {
   bool clock_is_set() const { return clock_is_set_.load(std::memory_order_relaxed); }
 
   /// The first error with the file, once. Writing is retried.
-  std::optional<std::string> complaint() { return complaint_.take(); }
+  std::optional<std::string> error() { return error_.take(); }
 
  private:
   void write();
@@ -51,7 +50,7 @@ class SigningTime {
   std::filesystem::path path_;
   std::atomic<std::uint64_t> timestamp_;
   std::atomic<bool> clock_is_set_;
-  FirstComplaint complaint_;
+  FirstError error_;
   RepeatingThread writer_;
 };
 

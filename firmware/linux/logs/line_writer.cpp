@@ -13,7 +13,7 @@
 namespace flotilla::target {
 namespace {
 
-constexpr std::size_t kRingBytes = 64U << 10U, kMostWaiting = 4096, kLongest = 1024;
+constexpr std::size_t kRingBytes = 64U << 10U, kMaxWaiting = 4096, kLongest = 1024;
 
 }  // namespace
 
@@ -29,14 +29,14 @@ void LineWriter::put(std::string_view line) {
 
 void LineWriter::drain() {
   std::array<std::uint8_t, 65536> line;
-  while (waiting_.size() < kMostWaiting) {
+  while (waiting_.size() < kMaxWaiting) {
     const auto record = ring_.take(line);
     if (!record) break;
     waiting_ += "flotillad: ";
     waiting_.append(reinterpret_cast<const char*>(line.data()), record->size);
     waiting_ += '\n';
   }
-  if (waiting_.size() < kMostWaiting) {
+  if (waiting_.size() < kMaxWaiting) {
     if (const auto dropped = dropped_.exchange(0, std::memory_order_relaxed)) {
       waiting_ += "flotillad: " + std::to_string(dropped) + " messages dropped: nobody read them\n";
     }

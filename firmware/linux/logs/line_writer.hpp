@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writes lines to stderr in a thread of its own, as their reader, a disk or a terminal, may be
-// slow.
+// Writes lines to stderr from a separate thread, because a disk or a terminal may be slow.
 #pragma once
 
 #include <atomic>

@@ -83,7 +83,7 @@ void* Logs::run(void* self) {
   try {
     logs.write_until_stopped();
   } catch (const std::exception& error) {  // the boat sails on; the ring fills, drops are counted
-    logs.complaint_.put(std::string("logs end: ") + error.what());
+    logs.error_.put(std::string("logs end: ") + error.what());
   }
   return nullptr;
 }
@@ -160,7 +160,7 @@ void Logs::publish() {
   each_file([&](const LogFile& file) {
     written += file.written();
     lost += file.lost();
-    if (file.fault()) complaint_.put(*file.fault());
+    if (file.fault()) error_.put(*file.fault());
   });
   written_.store(written, std::memory_order_relaxed);
   lost_.store(lost, std::memory_order_relaxed);

@@ -31,7 +31,7 @@
 #include "linux/logs/log_ring.hpp"
 #include "linux/logs/packet_splitter.hpp"
 #include "linux/system/file_descriptor.hpp"
-#include "linux/system/first_complaint.hpp"
+#include "linux/system/first_error.hpp"
 
 namespace flotilla::target {
 
@@ -52,13 +52,13 @@ struct LogCounters {
 
 enum class Direction : std::uint8_t { kReceived, kSent };
 
-/// Call mavlink(), can(), counters() and complaint() from one thread; they never block, throw or
+/// Call mavlink(), can(), counters() and error() from one thread; they never block, throw or
 /// allocate. The destructor writes the remaining records and waits for the disk: send the zeros
 /// first. Without a directory it writes and counts nothing.
 class Logs {
  public:
   /// Throws std::system_error if the thread cannot be started. A directory that cannot be written
-  /// is no error: see complaint(). The writer receives no signals, has no real-time priority, and a
+  /// is no error: see error(). The writer receives no signals, has no real-time priority, and a
   /// stack small enough to be locked in memory.
   explicit Logs(LogSettings settings);
   ~Logs();
@@ -73,7 +73,7 @@ class Logs {
   LogCounters counters() const;
 
   /// The first error with the files, once. The writer retries every second.
-  std::optional<std::string> complaint() { return complaint_.take(); }
+  std::optional<std::string> error() { return error_.take(); }
 
  private:
   static constexpr std::size_t kLinks = 64;
@@ -98,7 +98,7 @@ class Logs {
   std::array<PacketSplitter, 2 * kLinks> splitters_;
   std::array<std::uint8_t, 65536> scratch_{};
 
-  FirstComplaint complaint_;
+  FirstError error_;
   FileDescriptor stop_;
   pthread_t writer_{};
 };

@@ -16,7 +16,7 @@ void Peers::accepted(const sockaddr_in& from, bool is_signed, std::int64_t now_u
     return;
   }
   const Peer newcomer{from, is_signed, now_us};
-  if (peers_.size() < kMost) {
+  if (peers_.size() < kMax) {
     peers_.push_back(newcomer);
     return;
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The peers of a listening UDP link: the senders of accepted messages.
 //
-// Nothing is sent to a sender before the boat has accepted a message of it. A peer that falls
-// silent is forgotten. If the table is full, a newcomer replaces the longest silent peer that has
-// not signed: at once if the newcomer has signed, else once that peer has missed three heartbeats.
-// A peer that has signed is replaced only by another that has, after the same silence.
+// Nothing is sent to a sender before the boat has accepted one of its messages. A silent peer is
+// forgotten. If the table is full, a new peer replaces the longest silent one that has not signed:
+// at once if the new peer has signed, else after three missed heartbeats. A peer that has signed is
+// replaced only by another that has, after the same silence.
 #pragma once
 
 #include <netinet/in.h>
@@ -19,10 +19,10 @@ namespace flotilla::target {
 /// Never allocates after construction.
 class Peers {
  public:
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMax = 8;
   static constexpr std::int64_t kSilent_us = 3'000'000, kForgotten_us = 30'000'000;
 
-  Peers() { peers_.reserve(kMost); }
+  Peers() { peers_.reserve(kMax); }
 
   /// Notes an accepted message of this sender. Only signed ones keep the place of a peer that
   /// signed.

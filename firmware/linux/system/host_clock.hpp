@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether the system's clock can be trusted. A computer without a real-time clock starts with the
-// time at which it stopped.
+// Whether the system's clock can be trusted: without a real-time clock it starts at the time of the
+// last shutdown.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A device that the control loop uses. Another thread opens and closes it, as both may block.
+// A device of the control loop that another thread opens and closes, because both may block.
 #pragma once
 
 #include <atomic>
@@ -43,7 +43,7 @@ class Reopened {
  private:
   Device device_;
   bool in_use_ = false;
-  std::atomic<bool> ready_{false};  // true: the loop's, false: the other thread's
+  std::atomic<bool> ready_{false};  // true: the loop owns it; false: the other thread does
   std::atomic<int> error_{0};
 };
 

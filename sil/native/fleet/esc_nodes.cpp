@@ -85,8 +85,8 @@ void EscNodes::on_can(std::uint32_t can_id, std::span<const std::uint8_t> data,
   for (std::size_t esc = 0; esc < kEscs; ++esc) {
     if (about != subject(link::NodeInfo::kRequest, kNodes[esc])) continue;
     if (!receiver_.push(can_id, data, kNodeInfoSeed, now_us)) return;
-    questions_.push_back({esc, source, static_cast<std::uint8_t>(can_id >> 24U & 0x1FU),
-                          static_cast<std::uint8_t>(data.back() & kTransferId)});
+    pending_.push_back({esc, source, static_cast<std::uint8_t>(can_id >> 24U & 0x1FU),
+                        static_cast<std::uint8_t>(data.back() & kTransferId)});
   }
 }
 
@@ -143,18 +143,18 @@ void EscNodes::clear_fault(FaultKind kind, std::optional<std::size_t> which) {
 
 void EscNodes::tick(std::int64_t now_us, const double* rpm, Frames& out) {
   const bool node_due = node_status_rate_.due(now_us), esc_due = esc_status_rate_.due(now_us);
-  if (!node_due && !esc_due && questions_.empty()) return;
+  if (!node_due && !esc_due && pending_.empty()) return;
   for (std::size_t esc = 0; esc < kEscs; ++esc) {
     Esc& it = escs_[esc];
     if (it.silent || it.off) continue;
     if (it.boot_us == kNever_us) it.boot_us = now_us;
     if (node_due) tell_node_status(esc, now_us, out);
     if (esc_due) tell_esc_status(esc, now_us, it.reversed ? -rpm[esc] : rpm[esc], out);
-    for (const Question& question : questions_) {
-      if (question.esc == esc) answer(question, now_us, out);
+    for (const PendingRequest& request : pending_) {
+      if (request.esc == esc) answer(request, now_us, out);
     }
   }
-  questions_.clear();
+  pending_.clear();
 }
 
 void EscNodes::tell_node_status(std::size_t esc, std::int64_t now_us, Frames& out) {
@@ -164,9 +164,10 @@ void EscNodes::tell_node_status(std::size_t esc, std::int64_t now_us, Frames& ou
   link::Payload payload;
   const std::size_t size = write_payload(status, payload);
   link::CanFrame& frame = out.emplace_back();
-  split_transfer({kNodeStatusPriority, type.kind, type.id, kNodes[esc], 0}, type,
-                 next(escs_[esc].node_status_id), std::span(payload).first(size),
-                 std::span(&frame, 1));
+  // Fits into one frame.
+  static_cast<void>(split_transfer({kNodeStatusPriority, type.kind, type.id, kNodes[esc], 0}, type,
+                                   next(escs_[esc].node_status_id), std::span(payload).first(size),
+                                   std::span(&frame, 1)));
 }
 
 void EscNodes::tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out) {
@@ -191,14 +192,14 @@ void EscNodes::tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm,
   out.push_back({id, 3, {tail[2], tail[3], flagged(0x40)}});
 }
 
-void EscNodes::answer(const Question& question, std::int64_t now_us, Frames& out) const {
+void EscNodes::answer(const PendingRequest& request, std::int64_t now_us, Frames& out) const {
   constexpr link::DataType type = link::NodeInfo::kResponse;
   constexpr std::size_t kMaxFrames = 16;
   link::NodeInfo info;
-  info.status.uptime_sec = uptime_s(escs_[question.esc].boot_us, now_us);
+  info.status.uptime_sec = uptime_s(escs_[request.esc].boot_us, now_us);
   info.software_major = 1;
-  info.unique_id = {kNodes[question.esc],
-                    escs_[question.esc].index,
+  info.unique_id = {kNodes[request.esc],
+                    escs_[request.esc].index,
                     'f',
                     'l',
                     'o',
@@ -218,8 +219,8 @@ void EscNodes::answer(const Question& question, std::int64_t now_us, Frames& out
   const std::size_t size = write_payload(info, payload);
   std::array<link::CanFrame, kMaxFrames> frames;
   const std::size_t count =
-      split_transfer({question.priority, type.kind, type.id, kNodes[question.esc], question.source},
-                     type, question.transfer_id, std::span(payload).first(size), frames);
+      split_transfer({request.priority, type.kind, type.id, kNodes[request.esc], request.source},
+                     type, request.transfer_id, std::span(payload).first(size), frames);
   out.insert(out.end(), frames.begin(), frames.begin() + std::ptrdiff_t(count));
 }
 

@@ -50,7 +50,7 @@ class EscNodes {
     std::optional<double> stuck{};     // at this command
     std::optional<float> voltage_V{};  // as reported
   };
-  struct Question {
+  struct PendingRequest {
     std::size_t esc;
     std::uint8_t source, priority, transfer_id;
   };
@@ -59,12 +59,12 @@ class EscNodes {
   void take_raw_command(const EscReceiver::Transfer& transfer, std::int64_t now_us);
   void tell_node_status(std::size_t esc, std::int64_t now_us, Frames& out);
   void tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out);
-  void answer(const Question& question, std::int64_t now_us, Frames& out) const;
+  void answer(const PendingRequest& request, std::int64_t now_us, Frames& out) const;
   double told(const Esc& esc, std::int64_t now_us) const;
 
   std::array<Esc, kEscs> escs_;
   EscReceiver receiver_;
-  std::vector<Question> questions_;
+  std::vector<PendingRequest> pending_;
   Rate node_status_rate_, esc_status_rate_;
 };
 

@@ -108,7 +108,7 @@ void Fleet<S>::measure(Station& s, const TickArrays& arrays, std::vector<std::ui
   const Sensed truth = sensed(arrays, s.agent);
   if (!s.faults) return s.unit.tick(s.now_us, truth, out);
   const Sensed told = s.faults->measured(truth);
-  s.faults->say_beside(s.now_us, out);
+  s.faults->send_beside(s.now_us, out);
   if (s.faults->has(FaultKind::kOwnSilent)) return;
   s.unit.tick(s.now_us + s.faults->unit_ahead_us(), told, out);
 }
@@ -116,10 +116,10 @@ void Fleet<S>::measure(Station& s, const TickArrays& arrays, std::vector<std::ui
 template <class S>
 void Fleet<S>::tick_leader(Station& s, std::int64_t t_us, const TickArrays& arrays) {
   s.now_us = s.clock.at(t_us);
-  s.said.clear();
-  measure(s, arrays, s.said);
-  if (records_ && !s.said.empty()) {
-    s.run->records.chunk(t_us, s.number, Wire::kMavlinkOut, kRadio, s.said);
+  s.sent.clear();
+  measure(s, arrays, s.sent);
+  if (records_ && !s.sent.empty()) {
+    s.run->records.chunk(t_us, s.number, Wire::kMavlinkOut, kRadio, s.sent);
   }
   broadcast(s, t_us);
 }
@@ -141,7 +141,7 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   watch.lap(Stage::kCan);
   listen(v, t_us);
   watch.lap(Stage::kDecode);
-  s.said.clear();
+  s.sent.clear();
   if (!s.has(FaultKind::kRestart)) {
     const auto out = v.firmware.tick(s.now_us);
     if (const auto broken = v.monitor.ticked(v.firmware, out, s.now_us)) {
@@ -214,12 +214,12 @@ void Fleet<S>::pass_on(Vessel& v, const typename app::Boat<S>::Output& out, std:
   }
   // The boat may reuse its output buffer in the next tick, but the others read this until then.
   const auto radio = out.links->bytes(kRadio);
-  s.said.assign(radio.begin(), radio.end());
+  s.sent.assign(radio.begin(), radio.end());
 }
 
 template <class S>
 void Fleet<S>::broadcast(Station& s, std::int64_t t_us) {
-  const auto aired = s.faults ? s.faults->aired(s.said, t_us, s.now_us) : std::span(s.said);
+  const auto aired = s.faults ? s.faults->aired(s.sent, t_us, s.now_us) : std::span(s.sent);
   if (aired.empty()) return;
   for (const std::uint32_t link : s.outbox) links_[link].send(aired, t_us);
 }
@@ -316,7 +316,7 @@ Run* Fleet<S>::run(std::int64_t run) {
 template <class S>
 std::span<const std::uint8_t> Fleet<S>::sent(std::size_t agent) const {
   const auto [is_boat, index] = agents_[agent];
-  return is_boat ? boats_[index].station.said : leaders_[index].said;
+  return is_boat ? boats_[index].station.sent : leaders_[index].sent;
 }
 
 template class Fleet<float>;

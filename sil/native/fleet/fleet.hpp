@@ -128,7 +128,7 @@ class Fleet {
     std::int64_t now_us = 0;                 // its clock at the tick
     std::int64_t jumped_us = 0;              // jump of its clock; the ESCs have their own
     bool was_set = false;                    // its clock, or its unit's: stamps tell no truth
-    std::vector<std::uint8_t> said{};        // radio output of the last tick
+    std::vector<std::uint8_t> sent{};        // radio output of the last tick
     std::unique_ptr<VesselFaults> faults{};  // nullptr: none active
 
     bool has(FaultKind kind) const { return faults && faults->has(kind); }

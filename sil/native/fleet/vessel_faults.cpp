@@ -57,7 +57,7 @@ Sensed VesselFaults::measured(const Sensed& truth) {
   return told_.sensed();
 }
 
-void VesselFaults::say_beside(std::int64_t now_us, Bytes& out) {
+void VesselFaults::send_beside(std::int64_t now_us, Bytes& out) {
   if (!own_impostor_) return;
   Pose pose = truth_;
   move_north(pose.eta, pose.degE7, value(kOwnImpostor));
@@ -69,8 +69,10 @@ void VesselFaults::put_on_bus(std::int64_t now_us, std::vector<link::CanFrame>& 
   constexpr std::uint8_t kNode = 50, kPriority = 24, kPressTime = 10;
   constexpr link::DataType type = link::Button::kType;
   constexpr std::array payload{link::Button::kSafety, kPressTime};
-  split_transfer({kPriority, type.kind, type.id, kNode, 0}, type, button_id_++ & 0x1FU, payload,
-                 std::span(&out.emplace_back(), 1));
+  // Fits into one frame.
+  static_cast<void>(split_transfer({kPriority, type.kind, type.id, kNode, 0}, type,
+                                   button_id_++ & 0x1FU, payload,
+                                   std::span(&out.emplace_back(), 1)));
 }
 
 std::int64_t VesselFaults::unit_ahead_us() const {
@@ -94,11 +96,11 @@ void VesselFaults::damage(std::span<std::uint8_t> bytes) {
   }
 }
 
-std::span<const std::uint8_t> VesselFaults::aired(std::span<const std::uint8_t> said,
+std::span<const std::uint8_t> VesselFaults::aired(std::span<const std::uint8_t> sent,
                                                   std::int64_t t_us, std::int64_t now_us) {
   aired_.clear();
-  if (!said.empty() && passes_radio()) {
-    aired_.assign(said.begin(), said.end());
+  if (!sent.empty() && passes_radio()) {
+    aired_.assign(sent.begin(), sent.end());
     damage(aired_);
   }
   if (impostor_) {
@@ -106,12 +108,12 @@ std::span<const std::uint8_t> VesselFaults::aired(std::span<const std::uint8_t> 
     move_north(pose.eta, pose.degE7, value(kImpostor));
     impostor_->tick(now_us + kImpostorAhead_us, pose.sensed(), aired_);
   }
-  if (has(kReplay)) say_again(said, t_us);
+  if (has(kReplay)) send_again(sent, t_us);
   return aired_;
 }
 
-void VesselFaults::say_again(std::span<const std::uint8_t> said, std::int64_t t_us) {
-  if (!said.empty()) to_repeat_.push_back({t_us, Bytes(said.begin(), said.end())});
+void VesselFaults::send_again(std::span<const std::uint8_t> sent, std::int64_t t_us) {
+  if (!sent.empty()) to_repeat_.push_back({t_us, Bytes(sent.begin(), sent.end())});
   const std::int64_t until_us = t_us - std::llround(1e6 * value(kReplay));
   for (; !to_repeat_.empty() && to_repeat_.front().t_us <= until_us; to_repeat_.pop_front()) {
     const Bytes& data = to_repeat_.front().data;

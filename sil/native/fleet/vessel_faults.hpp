@@ -35,7 +35,7 @@ class VesselFaults {
   void set_own_impostor(NavigationUnit&& unit) { own_impostor_.emplace(std::move(unit)); }
 
   /// Appends what the second unit sends; measured() has the truth.
-  void say_beside(std::int64_t now_us, Bytes& out);
+  void send_beside(std::int64_t now_us, Bytes& out);
 
   /// Appends the frames of other nodes on the bus.
   void put_on_bus(std::int64_t now_us, std::vector<link::CanFrame>& out);
@@ -49,8 +49,8 @@ class VesselFaults {
   /// Whether the next frame, in either direction, passes the bus.
   bool passes_bus();
 
-  /// The radio signal when the vessel sends `said`; valid until the next call.
-  std::span<const std::uint8_t> aired(std::span<const std::uint8_t> said, std::int64_t t_us,
+  /// The radio signal when the vessel sends `sent`; valid until the next call.
+  std::span<const std::uint8_t> aired(std::span<const std::uint8_t> sent, std::int64_t t_us,
                                       std::int64_t now_us);
 
   /// A chunk as the vessel receives it: empty, or valid until the next call.
@@ -70,7 +70,7 @@ class VesselFaults {
   bool strikes(FaultKind kind);
   bool passes_radio();
   void damage(std::span<std::uint8_t> bytes);
-  void say_again(std::span<const std::uint8_t> said, std::int64_t t_us);
+  void send_again(std::span<const std::uint8_t> sent, std::int64_t t_us);
 
   std::bitset<kFaultKinds> active_;
   std::array<double, kFaultKinds> value_{};

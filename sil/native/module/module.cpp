@@ -165,13 +165,14 @@ class PyBoat {
 
  private:
   void bring_logs(app::LogService& service) const {
-    const auto wish = service.wish();
-    if (!wish) return;
+    const auto request = service.request();
+    if (!request) return;
     std::vector<app::StoredLog> list;
     for (const auto& log : logs_) list.push_back({static_cast<std::uint32_t>(log.size()), 0});
-    if (wish->list) return service.bring_list(list);
-    const auto& log = logs_.at(wish->log + service.left_out());
-    service.bring(*wish, std::span(log).subspan(std::min<std::size_t>(wish->offset, log.size())));
+    if (request->list) return service.bring_list(list);
+    const auto& log = logs_.at(request->log + service.left_out());
+    service.bring(*request,
+                  std::span(log).subspan(std::min<std::size_t>(request->offset, log.size())));
   }
 
   std::size_t links_;

@@ -193,7 +193,7 @@ void bind_supervisor(nb::module_& m) {
       "supervisor_conditions", &conditions,
       "Its conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT COND, from 24 on "
       "in COND2), complaint "
-      "(what the boat says where it is not met), limit (the parameter that sets it, or nothing).");
+      "(the message if unmet), limit (the parameter that sets it, or nothing).");
   m.def(
       "supervise", &supervise, "state"_a, "request"_a, "met"_a,
       "Applies the table to a state and a request. met: the names of the conditions that are met, "

@@ -76,7 +76,7 @@ void note_truth(const std::optional<std::int64_t>& ahead_us, std::int64_t stamp_
 }
 
 /// Ids of requests.
-constexpr std::array<bool, 128> kQuestions = [] {
+constexpr std::array<bool, 128> kIsRequest = [] {
   std::array<bool, 128> are{};
   for (const auto id : {kSetModeId, kRcChannelsId, kManualControlId, kRcOverrideId, kCommandIntId,
                         kCommandLongId}) {
@@ -189,7 +189,7 @@ bool MavlinkEar::hear(Bytes bytes, const app::Parameters& p, Moment& n) {
       if (system == self_.system) note_truth(n.clocks.own_us, *stamp, n.now_us, n.own_true_us);
       if (system == leader) note_truth(n.clocks.leader_us, *stamp, n.now_us, n.leader_true_us);
     }
-    if (frame.id < kQuestions.size() && kQuestions[frame.id] && frame.from != self_) {
+    if (frame.id < kIsRequest.size() && kIsRequest[frame.id] && frame.from != self_) {
       hear_request(frame.id, frame.from, frame.payload, p, n);
     }
   }

@@ -109,7 +109,7 @@ TEST_CASE("on straight ways no two boats come nearer than 1.2 hulls; two, if the
 
 TEST_CASE("each place is given once, also to boats whose place is unknown") {
   std::mt19937 generator(13);
-  for (std::size_t count = 1; count <= FleetTable::kMost; ++count) {
+  for (std::size_t count = 1; count <= FleetTable::kMax; ++count) {
     auto places = drawn(generator, count);
     Now now(count);
     for (std::size_t i = 0; i < count; i += 2) now[i] = places[count - 1 - i];
@@ -125,41 +125,42 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
 
 /// Of a move of two boats, the second one's to `to`, without kMoveRamp_s.
 double seconds(FleetSlot from, FleetSlot to, const FleetOutlook& outlook, bool turns = false) {
-  FleetTable wanted = table_of({{0, 0}, to});
-  wanted.turns = turns;
-  return assigned(wanted, Now{FleetSlot{0, 0}, from}, 0, outlook, 0).move_ds / 10.0 - kMoveRamp_s;
+  FleetTable requested = table_of({{0, 0}, to});
+  requested.turns = turns;
+  return assigned(requested, Now{FleetSlot{0, 0}, from}, 0, outlook, 0).move_ds / 10.0 -
+         kMoveRamp_s;
 }
 
 TEST_CASE("the time is that of the longest way at what the boats can do") {
-  constexpr double kMost = 0.97 * 1.5;
-  const double abeam = std::sqrt(kMost * kMost - 0.36);
+  constexpr double kMax = 0.97 * 1.5;
+  const double abeam = std::sqrt(kMax * kMax - 0.36);
   CHECK(seconds({-400, 0}, {-400, 0}, kUnderWay) == -kMoveRamp_s);
   CHECK(seconds({-400, 0}, {-410, 0}, kUnderWay) == 10);
   CHECK(seconds({-400, 500}, {600, 500}, kUnderWay) ==
-        doctest::Approx(10 / (kMost - 0.6)).epsilon(0.01));
+        doctest::Approx(10 / (kMax - 0.6)).epsilon(0.01));
   CHECK(seconds({-400, 0}, {-4400, 0}, kUnderWay) ==
-        doctest::Approx(40 / (kMost + 0.6)).epsilon(0.01));
+        doctest::Approx(40 / (kMax + 0.6)).epsilon(0.01));
   CHECK(seconds({-400, 0}, {-400, 2000}, kUnderWay) == doctest::Approx(20 / abeam).epsilon(0.01));
   // At rest all ways are as long; sailing east, a place to the north is abeam.
-  CHECK(seconds({-400, 0}, {-2400, 0}, straight(0)) == doctest::Approx(20 / kMost).epsilon(0.01));
+  CHECK(seconds({-400, 0}, {-2400, 0}, straight(0)) == doctest::Approx(20 / kMax).epsilon(0.01));
   CHECK(seconds({-400, 0}, {-2400, 0}, straight(0.6F, 1.5708F)) ==
         doctest::Approx(20 / abeam).epsilon(0.01));
 }
 
 TEST_CASE("ways are relative to the boat that leads, whichever rank it has") {
   for (const std::size_t root : {0U, 1U}) {
-    FleetTable wanted = table_of({{0, 0}, {0, 0}});
-    wanted.members[root].slot_cm = {-400, 0};
-    wanted.members[1 - root].slot_cm = {2600, 0};
+    FleetTable requested = table_of({{0, 0}, {0, 0}});
+    requested.members[root].slot_cm = {-400, 0};
+    requested.members[1 - root].slot_cm = {2600, 0};
     const Now now{FleetSlot{-400, 0}, FleetSlot{-400, 0}};
-    CHECK(assigned(wanted, now, root, kUnderWay, 0).move_ds / 10.0 - kMoveRamp_s ==
+    CHECK(assigned(requested, now, root, kUnderWay, 0).move_ds / 10.0 - kMoveRamp_s ==
           doctest::Approx(30 / (0.97 * 1.5 - 0.6)).epsilon(0.01));
   }
 }
 
 TEST_CASE("a turn of the leader counts if it comes while the boats move") {
   FleetOutlook turns_north = straight(0.6F, 1.5708F);
-  turns_north.count = FleetOutlook::kMost;
+  turns_north.count = FleetOutlook::kMax;
   turns_north.at.fill(turns_north.at[0]);
   const double abeam_s = seconds({-3000, 500}, {0, 500}, turns_north);
   for (std::size_t k = 12; k < turns_north.count; ++k) turns_north.at[k].heading_rad = 0;
@@ -181,12 +182,12 @@ TEST_CASE("a shape that turns: on the outside of the turn less speed is left for
 TEST_CASE("a leader that sails faster later slows only the rest of the move down") {
   constexpr double kSlow_mps = 0.33, kFast_mps = 0.6, kFrom_s = 60, kWay_m = 100, kIn_s = 7;
   FleetOutlook outlook = straight(static_cast<float>(kSlow_mps));
-  outlook.count = FleetOutlook::kMost;
+  outlook.count = FleetOutlook::kMax;
   outlook.at.fill(outlook.at[0]);
   for (std::size_t k = 30; k < outlook.count; ++k) outlook.at[k].ahead_mps = 0.6F;
-  FleetTable wanted = table_of({{0, 0}, {6000, 500}});
+  FleetTable requested = table_of({{0, 0}, {6000, 500}});
   const FleetTable table =
-      assigned(wanted, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, kIn_s);
+      assigned(requested, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, kIn_s);
   const FleetPace pace{0.1 * table.move_ds, 0.1 * table.first_ds, table.first_share / kShares};
   CHECK(pace.all_s < kWay_m / (0.97 * 1.5 - kFast_mps) + kMoveRamp_s - 12);
   double fastest_mps = 0;
@@ -197,8 +198,9 @@ TEST_CASE("a leader that sails faster later slows only the rest of the move down
     fastest_mps = std::max(fastest_mps, mps);
   }
   CHECK(fastest_mps > 0.97 * 1.5 - 0.01);
-  wanted.members[1].slot_cm = {-4000, 500};  // nobody moves
-  CHECK(assigned(wanted, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, 0).move_ds == 0);
+  requested.members[1].slot_cm = {-4000, 500};  // nobody moves
+  CHECK(assigned(requested, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, 0).move_ds ==
+        0);
 }
 
 TEST_CASE("a move has the speed that its rate says, and no steps") {

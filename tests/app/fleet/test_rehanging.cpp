@@ -11,13 +11,13 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::size_t kMostBoats = 5;
+constexpr std::size_t kMaxBoats = 5;
 constexpr FleetSelf kSails{.fit = true, .drives = true};
 
 struct Fleet {
   FleetTable table;
-  std::array<Succession, kMostBoats> rules;
-  std::array<bool, kMostBoats> alive{}, alone{};
+  std::array<Succession, kMaxBoats> rules;
+  std::array<bool, kMaxBoats> alive{}, alone{};
 
   explicit Fleet(const FleetTable& of) : table(of) {
     for (std::size_t i = 0; i < table.count; ++i) {
@@ -28,7 +28,7 @@ struct Fleet {
   }
 
   void step() {
-    std::array<FleetPeer, kMostBoats> peers{};
+    std::array<FleetPeer, kMaxBoats> peers{};
     for (std::size_t i = 0; i < table.count; ++i) {
       peers[i] = {alive[i], !alone[i], rules[i].leads(), table.epoch};
     }
@@ -80,14 +80,14 @@ std::vector<FleetTable> trees(std::size_t boats) {
 
 TEST_CASE("whoever fails, all others hang below one leader, and none deeper than before") {
   std::size_t judged = 0, hung = 0;
-  for (std::size_t boats = 2; boats <= kMostBoats; ++boats) {
+  for (std::size_t boats = 2; boats <= kMaxBoats; ++boats) {
     for (const FleetTable& tree : trees(boats)) {
       for (unsigned failed = 1; failed + 1 < 1U << boats; ++failed) {
         Fleet fleet(tree);
         fleet.step();
         fleet.step();
-        std::array<std::size_t, kMostBoats> before{};
-        std::array<std::optional<std::size_t>, kMostBoats> above{};
+        std::array<std::size_t, kMaxBoats> before{};
+        std::array<std::optional<std::size_t>, kMaxBoats> above{};
         for (std::size_t i = 0; i < boats; ++i) {
           before[i] = fleet.depth(i);
           above[i] = fleet.rules[i].followed();

@@ -20,7 +20,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::size_t kMostBoats = 4;
+constexpr std::size_t kMaxBoats = 4;
 constexpr std::uint16_t kStopEpoch = 3;
 
 enum class Mode : std::uint8_t { kCrashed, kHold, kFollows, kAlone };
@@ -36,12 +36,12 @@ struct Vessel {
   Mode mode = Mode::kFollows;
   std::uint16_t epoch = 1;
   Succession rule;
-  std::array<FleetPeer, kMostBoats> peers{};
+  std::array<FleetPeer, kMaxBoats> peers{};
   std::array<Word, 2> said{};  ///< the last one, and the one before: both may still arrive
 };
 
 struct Node {
-  std::array<Vessel, kMostBoats> boats;
+  std::array<Vessel, kMaxBoats> boats;
   unsigned failures = 0, deafs = 0;
   unsigned split = 0;  ///< boats on one side, a bit each; 0: everybody hears everybody
   bool was_split = false;
@@ -52,7 +52,7 @@ struct Node {
 enum class Bug { kNone, kNeverYields, kTakesOldTables, kLeaderIgnoresStop, kNeverSilent };
 
 struct Limits {
-  std::size_t boats = kMostBoats;
+  std::size_t boats = kMaxBoats;
   unsigned failures = 2, deafs = 2;
   bool splits = true;
   std::uint16_t first = 1, last = kStopEpoch;                    ///< epochs
@@ -130,7 +130,7 @@ Node start(const Limits& limits) {
   const std::size_t boats = limits.boats;
   Node n;
   n.issued = limits.first;
-  for (std::size_t i = boats; i < kMostBoats; ++i) n.boats[i].mode = Mode::kCrashed;
+  for (std::size_t i = boats; i < kMaxBoats; ++i) n.boats[i].mode = Mode::kCrashed;
   n.boats[0].mode = Mode::kAlone;
   for (std::size_t i = 0; i < boats; ++i) {
     Vessel& v = n.boats[i];
@@ -198,8 +198,8 @@ void events(const Node& n, const Limits& limits, Bug bug, F f) {
 /// A quiet radio for a while: everybody hears all whom it can, and lacks no table.
 Node closing(Node n, Bug bug) {
   for (int round = 0; round < 8; ++round) {
-    for (std::size_t i = 0; i < kMostBoats; ++i) {
-      for (std::size_t j = 0; j < kMostBoats; ++j) {
+    for (std::size_t i = 0; i < kMaxBoats; ++i) {
+      for (std::size_t j = 0; j < kMaxBoats; ++j) {
         if (i == j || n.boats[i].mode == Mode::kCrashed) continue;
         if (n.boats[j].mode != Mode::kCrashed && connected(n, i, j)) {
           take(n, i, n.boats[j].epoch, bug);
@@ -226,14 +226,14 @@ struct Broken {
 
   /// In each state: a boat obeys one leader, the best that it knows; a stopped boat is at rest.
   void look(const Node& n) {
-    for (std::size_t i = 0; i < kMostBoats; ++i) {
+    for (std::size_t i = 0; i < kMaxBoats; ++i) {
       const Vessel& v = n.boats[i];
       if (v.mode == Mode::kCrashed) continue;
       const bool leads = v.rule.leads();
       two_leaders += leads && v.rule.followed().has_value();
       two_leaders += v.rule.followed() == i;
       sails_after_stop += v.epoch == kStopEpoch && v.mode != Mode::kHold;
-      for (std::size_t j = 0; j < kMostBoats; ++j) {
+      for (std::size_t j = 0; j < kMaxBoats; ++j) {
         const FleetPeer& peer = v.peers[j];
         if (j == i || !peer.heard || !peer.leads) continue;
         const std::size_t chosen = v.rule.leader();
@@ -248,18 +248,18 @@ struct Broken {
   }
 
   void look_between(const Node& before, const Node& after) {
-    for (std::size_t i = 0; i < kMostBoats; ++i) {
+    for (std::size_t i = 0; i < kMaxBoats; ++i) {
       older_table += after.boats[i].epoch < before.boats[i].epoch;
     }
   }
 
   /// After a quiet while: in each part one table, one leader, one tree; no stop is lost.
   void look_closed(const Node& n) {
-    for (std::size_t i = 0; i < kMostBoats; ++i) {
+    for (std::size_t i = 0; i < kMaxBoats; ++i) {
       const Vessel& v = n.boats[i];
       if (v.mode == Mode::kCrashed) continue;
-      std::size_t leaders = 0, sailing = 0, leader = kMostBoats;
-      for (std::size_t j = 0; j < kMostBoats; ++j) {
+      std::size_t leaders = 0, sailing = 0, leader = kMaxBoats;
+      for (std::size_t j = 0; j < kMaxBoats; ++j) {
         const Vessel& other = n.boats[j];
         if (other.mode == Mode::kCrashed || !connected(n, i, j)) continue;
         parts_differ += other.epoch != v.epoch;
@@ -273,7 +273,7 @@ struct Broken {
       if (v.mode == Mode::kHold || leaders != 1) continue;
       wrong_leader += v.rule.leader() != leader;
       std::size_t at = i, steps = 0;
-      while (at != leader && n.boats[at].rule.followed() && steps++ < kMostBoats) {
+      while (at != leader && n.boats[at].rule.followed() && steps++ < kMaxBoats) {
         at = *n.boats[at].rule.followed();
         if (n.boats[at].mode == Mode::kHold || !connected(n, i, at)) break;
       }

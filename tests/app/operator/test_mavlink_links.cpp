@@ -279,17 +279,17 @@ TEST_CASE("the rest of a message is waited for 0.3 s, however it trickles in, an
   }();
   for (std::size_t cut = 1; cut < frame.size(); ++cut) {
     Ship s;
-    CHECK_FALSE(s.links.waits_in_vain(0, kSecond_us));
+    CHECK_FALSE(s.links.timed_out(0, kSecond_us));
     const auto all = std::span(frame);
     CHECK(s.come(all.first(1), 0) == 0);
     for (std::size_t k = 1; k < cut; ++k) {
       CHECK(s.come(all.subspan(k, 1), static_cast<std::int64_t>(k) * 7000) == 0);
     }
-    CHECK_FALSE(s.links.waits_in_vain(0, 300'000));
-    CHECK(s.links.waits_in_vain(0, 300'001));
-    CHECK_FALSE(s.links.waits_in_vain(1, 300'001));
+    CHECK_FALSE(s.links.timed_out(0, 300'000));
+    CHECK(s.links.timed_out(0, 300'001));
+    CHECK_FALSE(s.links.timed_out(1, 300'001));
     CHECK(s.come(all.subspan(cut), 300'001) == 1);  // still whole where nobody gave it up
-    CHECK_FALSE(s.links.waits_in_vain(0, 3600 * kSecond_us));
+    CHECK_FALSE(s.links.timed_out(0, 3600 * kSecond_us));
   }
 }
 
@@ -305,7 +305,7 @@ TEST_CASE("each message has its own 0.3 s, though the link is never quiet") {
   int found = 0;
   for (const std::uint8_t byte : stream) {  // 200 B/s: a message in 0.2 s
     found += s.come(std::span(&byte, 1), now_us += 5000);
-    REQUIRE_FALSE(s.links.waits_in_vain(0, now_us));
+    REQUIRE_FALSE(s.links.timed_out(0, now_us));
   }
   CHECK(found == static_cast<int>(stream.size() / 40));
 }

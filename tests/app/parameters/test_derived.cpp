@@ -45,7 +45,7 @@ TEST_CASE("the paper's vessel gets the paper's gains, to the last bit, and so th
   CHECK(p.LAW_CUR_BW == 0.1F);
   CHECK(p.LAW_XT_DIST == 1);
   CHECK(p.LAW_R_MAX == 0.8F);
-  CHECK_FALSE(misfit({}));
+  CHECK_FALSE(gain_fault({}));
 }
 
 TEST_CASE("a gain that an operator sets counts, also 0, and moves no other") {
@@ -71,7 +71,7 @@ TEST_CASE("derived gains are damped and valid, and fit, on any boat") {
     for (const ParameterInfo& info : kParameterList) CHECK(is_valid(info, p.*info.member));
     CHECK(damping(p.VES_M11, p.VES_D11, p.LAW_KDU, p.THR_LAG + 0.018) > 0.9);
     CHECK(damping(p.VES_M33, p.VES_D33, p.LAW_KDR, p.THR_LAG + 0.018) > 0.6);
-    const auto found = misfit(given);
+    const auto found = gain_fault(given);
     CHECK_MESSAGE(!found, given.THR_LAG, " s: ", found ? found->gain : "");
   }
 }
@@ -105,19 +105,19 @@ TEST_CASE("a heavy boat of unknown lag gets slower loops than with none") {
   CHECK(unknown.LAW_KDR < none.LAW_KDR / 4);
 }
 
-TEST_CASE("each kind of misfit is named with the time constants that do not go together") {
+TEST_CASE("each kind of gain fault is named with the time constants that do not go together") {
   Parameters p;  // an Otter
   p.VES_M11 = 85.28F;
   p.VES_M33 = 41.45F;
   p.VES_D11 = 50.1F;
   p.VES_D33 = 62;
   p.THR_LAG = 0.1F;
-  REQUIRE_FALSE(misfit(p));
+  REQUIRE_FALSE(gain_fault(p));
   const Parameters fits = p;
   p.LAW_OBS_BW = 5;
-  REQUIRE_FALSE(misfit(p));
+  REQUIRE_FALSE(gain_fault(p));
   p.THR_LAG = 0.3F;
-  auto found = misfit(p);
+  auto found = gain_fault(p);
   REQUIRE(found);
   CHECK(found->gain == "LAW_OBS_BW");
   CHECK(found->time_s == 0.2F);
@@ -126,7 +126,7 @@ TEST_CASE("each kind of misfit is named with the time constants that do not go t
   CHECK(found->more);
   p = fits;
   p.LAW_KDR = 1200;
-  found = misfit(p);
+  found = gain_fault(p);
   REQUIRE(found);
   CHECK(found->gain == "LAW_KDR");
   CHECK(found->other == "THR_LAG");
@@ -134,11 +134,11 @@ TEST_CASE("each kind of misfit is named with the time constants that do not go t
   CHECK(damping(41.45, 62, 41.45 / found->allowed_s - 62, 0.118) == doctest::Approx(0.5));
   CHECK(found->more);
   p.THR_LAG = -1;  // nobody knows what it allows
-  CHECK_FALSE(misfit(p));
+  CHECK_FALSE(gain_fault(p));
   p = fits;
   p.VES_D33 = 5;
   p.LAW_KDR = 10;
-  found = misfit(p);
+  found = gain_fault(p);
   REQUIRE(found);
   CHECK(found->gain == "LAW_KDR");
   CHECK(found->other == "LAW_KPSI");

@@ -132,7 +132,8 @@ TEST_CASE("a transfer id of 32 and more is counted modulo 32, all 32 in turn are
   for (unsigned tid = 0; tid < 70; ++tid) {
     std::array<CanFrame, 1> frame;
     const Route route{24, TransferKind::kMessage, 1100, 9, 0};
-    split_transfer(route, ArmingStatus::kType, static_cast<std::uint8_t>(tid), Bytes{1}, frame);
+    REQUIRE(split_transfer(route, ArmingStatus::kType, static_cast<std::uint8_t>(tid), Bytes{1},
+                           frame) == 1);
     whole +=
         deliver(receiver, frame[0].id, 1, {Bytes(frame[0].bytes().begin(), frame[0].bytes().end())})
             .size();

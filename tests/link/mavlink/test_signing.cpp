@@ -201,14 +201,14 @@ TEST_CASE("what is exempt counts at any age, but once, and nothing older than it
   const Message beat = Heartbeat{}, other = Attitude{};
   for (const std::uint64_t at : {kNow - 300 * kDay, kNow - 299 * kDay, kNow + 2 * kDay}) {
     const Bytes frame = Sender{{1, 1}}.frame(at);
-    CHECK_FALSE(boat.exempts(frame, other));
-    CHECK(boat.exempts(frame, beat));
-    CHECK_FALSE(boat.exempts(frame, beat));
-    CHECK_FALSE(boat.exempts(Sender{{1, 1}}.frame(at - 1), beat));
+    CHECK_FALSE(boat.take_exemption(frame, other));
+    CHECK(boat.take_exemption(frame, beat));
+    CHECK_FALSE(boat.take_exemption(frame, beat));
+    CHECK_FALSE(boat.take_exemption(Sender{{1, 1}}.frame(at - 1), beat));
   }
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);  // nobody is shut out by it
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 1)) == kGood);
-  CHECK_FALSE(Keyed().exempts(Sender{{1, 1}}.frame(kNow), beat));
+  CHECK_FALSE(Keyed().take_exemption(Sender{{1, 1}}.frame(kNow), beat));
   CHECK(boat.timestamp() == kNow);
 }
 
@@ -356,7 +356,7 @@ TEST_CASE("a restart makes no recorded message valid again, and a sender is obey
   for (std::uint64_t s = 0; s < 59; ++s) CHECK(boat.check(sender.frame(kNow + s)) == kStale);
   CHECK(boat.check(Sender{{1, 190}, 8}.frame(kNow + kSecond)) == kStale);  // on no other link
   // A stop is obeyed at any age, but lets in nothing else that is old.
-  CHECK(boat.exempts(sender.frame(kNow - kDay), Heartbeat{}));
+  CHECK(boat.take_exemption(sender.frame(kNow - kDay), Heartbeat{}));
   CHECK(boat.check(sender.frame(kNow + 58)) == kStale);
   CHECK(boat.check(sender.frame(kNow + kSecond + 1)) == kGood);
   CHECK(boat.check(sender.frame(kNow + kSecond + 2)) == kGood);

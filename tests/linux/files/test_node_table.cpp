@@ -30,11 +30,11 @@ TEST_CASE("the loop does not wait for a disk that takes no node ids, and they co
 
   const FileDescriptor reader(::open(fresh.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   std::optional<std::string> complaint;
-  CHECK(soon([&] { return (complaint = table.complaint()).has_value(); }));  // a pipe is no disk
+  CHECK(soon([&] { return (complaint = table.error()).has_value(); }));  // a pipe is no disk
   CHECK(complaint->find("node_ids.txt.new cannot be written") != std::string::npos);
   std::filesystem::remove(fresh);
   CHECK(soon([&] { return std::filesystem::exists(file); }));
-  CHECK_FALSE(table.complaint());
+  CHECK_FALSE(table.error());
   link::NodeIdServer again(20);
   table.load(again);
   REQUIRE(again.table().size() == 1);

@@ -62,7 +62,7 @@ TEST_CASE("a plan goes to the disk while the boat sails, and a cleared one too")
   CHECK(soon([&] { return saver.put({}); }));
   CHECK(soon([&] { return load_plan(file).items.empty(); }));
   CHECK(load_plan(file).note.empty());
-  CHECK_FALSE(saver.complaint());
+  CHECK_FALSE(saver.error());
 }
 
 TEST_CASE("a first start has no plan, and that is no complaint") {
@@ -115,10 +115,10 @@ TEST_CASE("a plan that cannot be written is told once, and written when it can b
   put(folder / "there", "a file where a directory should be");
   PlanSaver saver(file, std::chrono::milliseconds(5));
   CHECK(soon([&] { return saver.put(plan()); }));
-  CHECK(soon([&] { return saver.complaint().has_value(); }));
+  CHECK(soon([&] { return saver.error().has_value(); }));
   std::filesystem::remove(folder / "there");
   CHECK(soon([&] { return same(load_plan(file).items, plan()); }));
-  CHECK_FALSE(saver.complaint());
+  CHECK_FALSE(saver.error());
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ TEST_CASE("the time of the last voyage is there at the next start") {
   {
     SigningTime time(file, kThen);
     time.put(kThen + 77);
-    CHECK_FALSE(time.complaint());
+    CHECK_FALSE(time.error());
   }
   const StoredSigningTime stored = load_signing_time(file);
   CHECK(stored.timestamp == kThen + 77);
@@ -69,9 +69,9 @@ TEST_CASE("a disk that does not take the time is said once") {
   put(folder / "state", "a file, no directory");
   SigningTime time(folder / "state" / "signing_time.txt", kThen);
   std::optional<std::string> complaint;
-  REQUIRE(soon([&] { return (complaint = time.complaint()).has_value(); }));
+  REQUIRE(soon([&] { return (complaint = time.error()).has_value(); }));
   CHECK(complaint->find("signing_time.txt.new cannot be written") != std::string::npos);
-  CHECK_FALSE(time.complaint());
+  CHECK_FALSE(time.error());
 }
 
 }  // namespace

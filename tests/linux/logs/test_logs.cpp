@@ -259,7 +259,7 @@ TEST_CASE("a ring that is full drops records whole and counts them") {
     }
     soon([&] { return logs.counters().written + logs.counters().dropped == put; });
     counters = logs.counters();
-    CHECK_FALSE(logs.complaint());
+    CHECK_FALSE(logs.error());
   }
   CHECK(counters.lost == 0);
   CHECK(counters.written + counters.dropped == put);
@@ -281,11 +281,11 @@ TEST_CASE("a directory that cannot be written to: said once, counted, the boat s
   Logs logs({.directory = folder / "file" / "logs"});
   logs.can(frame(1, {2}), kTime_us);
   std::optional<std::string> complaint;
-  REQUIRE(soon([&] { return (complaint = logs.complaint()).has_value(); }));
+  REQUIRE(soon([&] { return (complaint = logs.error()).has_value(); }));
   CHECK(complaint->find("Not a directory") != std::string::npos);
   logs.mavlink(0, Direction::kSent, packet(1, 1), kTime_us);
   CHECK(soon([&] { return logs.counters().lost == 2; }));
-  CHECK_FALSE(logs.complaint());
+  CHECK_FALSE(logs.error());
 
   // Somebody mends it: logging is there again.
   std::filesystem::remove(folder / "file");
@@ -375,7 +375,7 @@ TEST_CASE("no directory, no logs: nothing happens") {
   logs.can(frame(1, {2}), kTime_us);
   logs.mavlink(0, Direction::kSent, packet(1, 1), kTime_us);
   CHECK(logs.counters().dropped == 0);
-  CHECK_FALSE(logs.complaint());
+  CHECK_FALSE(logs.error());
 }
 
 TEST_CASE(

@@ -69,15 +69,15 @@ std::optional<link::Message> LogService::next_data() {
   link::LogData out{};
   out.id = static_cast<std::uint16_t>(log_ + first_);
   out.ofs = range.offset;
-  const std::size_t wanted = std::min<std::size_t>(out.data.size(), range.end - range.offset);
-  if (wanted > 0) {
+  const std::size_t requested = std::min<std::size_t>(out.data.size(), range.end - range.offset);
+  if (requested > 0) {
     if (here_bytes_ == 0 || here_.log != log_ || range.offset < here_.offset) return std::nullopt;
     const std::size_t at = range.offset - here_.offset;
-    if (at + wanted > here_bytes_) return std::nullopt;
-    std::copy_n(room_.piece.begin() + static_cast<std::ptrdiff_t>(at), wanted, out.data.begin());
+    if (at + requested > here_bytes_) return std::nullopt;
+    std::copy_n(room_.piece.begin() + static_cast<std::ptrdiff_t>(at), requested, out.data.begin());
   }
-  out.count = static_cast<std::uint8_t>(wanted);
-  range.offset += static_cast<std::uint32_t>(wanted);
+  out.count = static_cast<std::uint8_t>(requested);
+  range.offset += static_cast<std::uint32_t>(requested);
   if (range.offset == range.end) pop();
   return out;
 }
@@ -88,15 +88,16 @@ void LogService::pop() {
   --ranges_;
 }
 
-std::optional<LogWish> LogService::wish() const {
-  if (asks_list_) return LogWish{true, 0, 0};
+std::optional<LogRequest> LogService::request() const {
+  if (asks_list_) return LogRequest{true, 0, 0};
   if (ranges_ == 0) return std::nullopt;
   const LogRange& range = room_.ranges[0];
   constexpr std::uint32_t kPacket = std::tuple_size_v<decltype(link::LogData::data)>;
-  const std::uint32_t wanted = std::min(kPacket, range.end - range.offset);
+  const std::uint32_t requested = std::min(kPacket, range.end - range.offset);
   const bool is_here = here_bytes_ > 0 && here_.log == log_ && here_.offset <= range.offset &&
-                       range.offset - here_.offset + wanted <= here_bytes_;
-  return wanted == 0 || is_here ? std::nullopt : std::optional(LogWish{false, log_, range.offset});
+                       range.offset - here_.offset + requested <= here_bytes_;
+  return requested == 0 || is_here ? std::nullopt
+                                   : std::optional(LogRequest{false, log_, range.offset});
 }
 
 void LogService::bring_list(std::span<const StoredLog> logs) {
@@ -109,9 +110,9 @@ void LogService::bring_list(std::span<const StoredLog> logs) {
   std::ranges::copy(logs.subspan(left_out_), room_.list.begin());
 }
 
-void LogService::bring(const LogWish& wish, std::span<const std::uint8_t> bytes) {
-  if (this->wish() != wish || wish.list) return;
-  here_ = wish;
+void LogService::bring(const LogRequest& request, std::span<const std::uint8_t> bytes) {
+  if (this->request() != request || request.list) return;
+  here_ = request;
   here_bytes_ = std::min(bytes.size(), room_.piece.size());
   std::copy_n(bytes.begin(), here_bytes_, room_.piece.begin());
   LogRange& range = room_.ranges[0];

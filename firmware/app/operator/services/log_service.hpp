@@ -33,11 +33,11 @@ struct LogRoom {
 };
 
 /// The next request to the host: its list, or a piece of a log from `offset` on.
-struct LogWish {
+struct LogRequest {
   bool list = false;
   std::uint16_t log = 0;  ///< index in the list
   std::uint32_t offset = 0;
-  bool operator==(const LogWish&) const = default;
+  bool operator==(const LogRequest&) const = default;
 };
 
 class LogService {
@@ -60,14 +60,14 @@ class LogService {
   std::optional<link::Message> next(std::size_t link);
   bool is_idle() const { return !listing_ && ranges_ == 0; }
 
-  std::optional<LogWish> wish() const;
+  std::optional<LogRequest> request() const;
   /// Takes the list that was asked for; keeps the newest logs if there is no room for all.
   void bring_list(std::span<const StoredLog> logs);
   /// The index in that list of the first log that is offered.
   std::size_t left_out() const { return left_out_; }
   /// Takes the bytes that were asked for, as many as there is room for; no bytes: the log ends
   /// there.
-  void bring(const LogWish& wish, std::span<const std::uint8_t> bytes);
+  void bring(const LogRequest& request, std::span<const std::uint8_t> bytes);
   std::size_t piece_bytes() const { return room_.piece.size(); }
 
  private:
@@ -92,7 +92,7 @@ class LogService {
   std::size_t link_ = 0;  // of the ranges
   std::uint16_t log_ = 0;
   std::size_t ranges_ = 0;
-  LogWish here_;  // the piece in the room
+  LogRequest here_;  // the piece in the room
   std::size_t here_bytes_ = 0;
 };
 

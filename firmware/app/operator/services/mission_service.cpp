@@ -83,8 +83,8 @@ std::optional<link::Message> MissionService::answer(const RequestMessage& asked,
     return link::MissionCount{to, static_cast<std::uint16_t>(kept.count), list->mission_type,
                               kept.id};
   }
-  if (const auto* wish = std::get_if<link::MissionRequestInt>(&asked)) {
-    return item(wish->seq, to, wish->mission_type);
+  if (const auto* request = std::get_if<link::MissionRequestInt>(&asked)) {
+    return item(request->seq, to, request->mission_type);
   }
   if (const auto* old = std::get_if<link::MissionRequest>(&asked)) {
     return item(old->seq, to, old->mission_type);

@@ -34,7 +34,7 @@ link::ParamValue value_message(std::size_t index, const Parameters& values) {
           static_cast<std::uint16_t>(index), wire_name(info.name), mav::kParamReal32};
 }
 
-void say_allowed(const ParameterInfo& info, Sentence& sentence) {
+void append_allowed(const ParameterInfo& info, Sentence& sentence) {
   switch (info.kind) {
     case ParameterKind::kSign:
       sentence << "-1 or 1";
@@ -84,7 +84,7 @@ SetResult judge(const ParameterInfo& info, link::Address from, const link::Param
   }
   if (!is_valid(info, value)) {
     SetResult result = refusal(info, mav::kParamOutOfRange, value);
-    say_allowed(info, result.sentence);
+    append_allowed(info, result.sentence);
     return result;
   }
   // Allowed while armed: a client's retransmission changes nothing.

@@ -39,16 +39,16 @@ Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
   return out;
 }
 
-Sentence sentence_of(core::Astray astray, double off_m, double yaw_rate,
+Sentence sentence_of(core::StationLoss loss, double off_m, double yaw_rate,
                      const Parameters& derived) {
   Sentence why;
-  if (astray == core::Astray::kSpins) {
+  if (loss == core::StationLoss::kSpins) {
     why << "boat spins: " << hundredths(portable::nearest(100 * yaw_rate))
         << " rad/s, LAW_R_MAX is " << derived.LAW_R_MAX;
     return why;
   }
   const float off = hundredths(10 * portable::nearest(10 * off_m));
-  if (astray == core::Astray::kLeft) {
+  if (loss == core::StationLoss::kLeft) {
     why << "boat left its slot: " << off << " m off, FS_SLOT_M is " << derived.FS_SLOT_M;
   } else {
     why << "boat does not approach its slot: " << off << " m off";

@@ -18,9 +18,10 @@ namespace flotilla::app {
 /// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that the figure exceeds the limit.
 Sentence slot_needs(double needed, std::string_view limit_is, float limit);
 
-/// Why the boat does not keep its station. astray: not kNo; off_m: distance from the slot;
+/// Why the boat does not keep its station. loss: not kNo; off_m: distance from the slot;
 /// yaw_rate: its absolute value, rad/s.
-Sentence sentence_of(core::Astray astray, double off_m, double yaw_rate, const Parameters& derived);
+Sentence sentence_of(core::StationLoss loss, double off_m, double yaw_rate,
+                     const Parameters& derived);
 
 /// "Port 12 % weak since 10:31: THR_BALANCE 0.06", in UTC; or "for 7 min" if unix_us, the time of day
 /// at now_us, is 0 (unknown).

@@ -21,7 +21,7 @@ enum class Pace : std::uint8_t {
   kNews,       ///< twice SR_STATE, at most 10 Hz; news is sent up to half an interval early
   kSlow,       ///< SR_SLOW
   kFixed,      ///< as listed, or SR_SLOW if that is below 1 Hz
-  kOnRequest,  ///< off until a client asks for it, with an interval of its own: SET_MESSAGE_INTERVAL
+  kOnRequest,  ///< off until a client requests it with its own interval: SET_MESSAGE_INTERVAL
 };
 
 /// Paces that share the bandwidth left by the state streams.
@@ -93,7 +93,7 @@ class Streams {
     std::array<Turn, kStreams.size()> turns{};
     std::int64_t radio_us = 0;  ///< last RADIO_STATUS
     double share = 1;           ///< of the full rate, as the radio allows
-    /// No stream but the state's is due before this; 0: schedules have changed.
+    /// Earliest due time of any non-state stream; 0: recompute.
     std::int64_t quiet_until_us = 0;
   };
 

@@ -38,7 +38,7 @@ void Warnings<S>::warn_of_host(const Seen& seen) {
     warn(link_is_closed(host.closed_links).text());
   }
   if (!std::exchange(save_failed_, host.save_failed) && save_failed_) {
-    say(mav::kSeverityError, "parameters could not be saved: see the host's disk");
+    send_statustext(mav::kSeverityError, "parameters could not be saved: see the host's disk");
   }
 }
 
@@ -47,7 +47,7 @@ void Warnings<S>::warn_of_vessels(const Seen& seen) {
   const auto alarm = [&](std::uint8_t system, std::string_view before, std::string_view after) {
     Sentence why;
     why << before << static_cast<float>(system) << after;
-    say(mav::kSeverityCritical, why.text());
+    send_statustext(mav::kSeverityCritical, why.text());
   };
   const auto doubled = pilot_.doubled(seen.now_us);
   if (doubled && double_due_.take_if_due(seen.now_us)) {
@@ -97,11 +97,12 @@ void Warnings<S>::warn_of_fast_slot(const Seen& seen) {
 /// Gives the figures, one tick before COAST or HOLD, whose own message has none.
 template <class S>
 void Warnings<S>::warn_of_station(const Seen& seen) {
-  const core::Astray was = std::exchange(astray_, pilot_.astray());
-  if (astray_ == was || astray_ == core::Astray::kNo || !seen.keeps_slot) return;
+  const core::StationLoss was = std::exchange(station_loss_, pilot_.station_loss());
+  if (station_loss_ == was || station_loss_ == core::StationLoss::kNo || !seen.keeps_slot) return;
   const auto& e = seen.law.error.e;
-  say(mav::kSeverityError,
-      sentence_of(astray_, convert::number(core::hypot(e.x, e.y)),
+  send_statustext(
+      mav::kSeverityError,
+      sentence_of(station_loss_, convert::number(core::hypot(e.x, e.y)),
                   convert::number(core::abs(pilot_.yaw_rate())), derived(vehicle_.parameters()))
           .text());
 }
@@ -114,10 +115,10 @@ void Warnings<S>::warn_of_current(const Seen& seen) {
   const bool was_alone = std::exchange(alone_, core::sails_alone(seen.state));
   const bool spent = alone_ && S(0) < seen.law.allocation.missing.X;
   const bool behind = spent && S(1) < core::hypot(e.x, e.y) && pilot_.motion().nu.u < S(0.05);
-  beaten_.look(behind, seen.now_us);
+  no_way_.look(behind, seen.now_us);
   const bool holds = was_alone && !alone_ && (seen.conditions & core::kBoatAnswers) == 0;
-  if (!holds && !(beaten_.is() && spent)) return;
-  if (beaten_due_.take_if_due(seen.now_us)) {
+  if (!holds && !(no_way_.is() && spent)) return;
+  if (no_way_due_.take_if_due(seen.now_us)) {
     warn("boat makes no way: current, wind or propellers");
   }
 }
@@ -129,12 +130,12 @@ void Warnings<S>::warn_of_unsound_slot(const Seen& seen) {
   if (!unsound_slot_due_.take_if_due(seen.now_us)) return;
   const SlotClaims& claims = pilot_.claims();
   if (claims.leaders()) {
-    say(mav::kSeverityError, "slot is at the leader: set FORM_OFS_N, FORM_OFS_E");
+    send_statustext(mav::kSeverityError, "slot is at the leader: set FORM_OFS_N, FORM_OFS_E");
   } else if (const auto rival = claims.rival(seen.now_us, core::law_drives(seen.state))) {
-    say(mav::kSeverityError, slot_is_taken(*rival).text());
+    send_statustext(mav::kSeverityError, slot_is_taken(*rival).text());
   } else {
-    say(mav::kSeverityError,
-        "slot moves astern inside the turn: move it nearer or behind the leader");
+    send_statustext(mav::kSeverityError,
+                    "slot moves astern inside the turn: move it nearer or behind the leader");
   }
 }
 

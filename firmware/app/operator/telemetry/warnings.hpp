@@ -36,7 +36,7 @@ class Warnings {
   Warnings(Vehicle& vehicle, Pilot<S>& pilot, ModelMonitor& learnt, link::Counters& counters)
       : vehicle_(vehicle), pilot_(pilot), learnt_(learnt), counters_(counters) {}
 
-  void warn(std::string_view text) { say(link::mav::kSeverityWarning, text); }
+  void warn(std::string_view text) { send_statustext(link::mav::kSeverityWarning, text); }
 
   void send(const Seen& seen);
 
@@ -48,7 +48,7 @@ class Warnings {
  private:
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
-  void say(std::uint8_t severity, std::string_view text) {
+  void send_statustext(std::uint8_t severity, std::string_view text) {
     vehicle_.send_statustext(severity, {text}, counters_);
   }
   void warn_of_host(const Seen& seen);
@@ -71,11 +71,11 @@ class Warnings {
 
   Schedule fence_due_{10 * kSecond_us}, frame_due_{10 * kSecond_us},
       fast_slot_due_{10 * kSecond_us};
-  Schedule unsound_slot_due_{10 * kSecond_us}, beaten_due_{10 * kSecond_us};
+  Schedule unsound_slot_due_{10 * kSecond_us}, no_way_due_{10 * kSecond_us};
   Schedule double_due_{10 * kSecond_us}, late_due_{10 * kSecond_us}, quality_due_{10 * kSecond_us};
   Schedule unsaved_due_{30 * kSecond_us}, closed_due_{30 * kSecond_us}, time_due_{30 * kSecond_us};
-  Settled slot_too_fast_, untimed_, beaten_;  // beaten: by current or wind
-  core::Astray astray_ = core::Astray::kNo;
+  Settled slot_too_fast_, untimed_, no_way_;  // no_way_: against current or wind
+  core::StationLoss station_loss_ = core::StationLoss::kNo;
   std::optional<std::uint8_t> awaited_;  // a boat
   bool save_failed_ = false;
   bool latency_told_ = false;

@@ -29,10 +29,10 @@ struct Shelf {
     REQUIRE(service.read(0, {{}, 0, offset, count}).empty());
   }
   void bring(std::size_t kept) {
-    const auto wish = service.wish();
-    REQUIRE(wish);
-    const std::size_t at = std::min<std::size_t>(wish->offset, kept);
-    service.bring(*wish, std::span(bytes).first(kept).subspan(at));
+    const auto request = service.request();
+    REQUIRE(request);
+    const std::size_t at = std::min<std::size_t>(request->offset, kept);
+    service.bring(*request, std::span(bytes).first(kept).subspan(at));
   }
   std::vector<link::LogData> all(std::size_t kept = 500) {
     std::vector<link::LogData> out;
@@ -56,7 +56,7 @@ TEST_CASE("a log longer than a piece comes in order, and byte by byte the same")
     for (std::size_t i = 0; i < m.count; ++i) REQUIRE(m.data[i] == shelf.bytes[at++]);
   }
   CHECK(at == 500);
-  CHECK_FALSE(shelf.service.wish());
+  CHECK_FALSE(shelf.service.request());
 }
 
 TEST_CASE("a log that was cut off or removed since it was listed ends there") {
@@ -96,7 +96,7 @@ TEST_CASE("what was not wished for is not taken") {
 TEST_CASE("without a host there are no logs, and no room is used") {
   LogService none({}, false);
   none.list(1, {{}, 0, 0xFFFF});
-  CHECK_FALSE(none.wish());
+  CHECK_FALSE(none.request());
   CHECK_FALSE(none.next(0));
   REQUIRE(none.next(1));
   CHECK(none.is_idle());

@@ -19,11 +19,11 @@ TEST_CASE("a boat out of its slot is told by distance, one that spins by its yaw
   Parameters p;
   p.FS_SLOT_M = 5;
   p.LAW_R_MAX = 0.5F;
-  CHECK(told(sentence_of(core::Astray::kLeft, 6.24, 2, p)) ==
+  CHECK(told(sentence_of(core::StationLoss::kLeft, 6.24, 2, p)) ==
         "boat left its slot: 6.2 m off, FS_SLOT_M is 5");
-  CHECK(told(sentence_of(core::Astray::kStuck, 6.26, 2, p)) ==
+  CHECK(told(sentence_of(core::StationLoss::kStuck, 6.26, 2, p)) ==
         "boat does not approach its slot: 6.3 m off");
-  CHECK(told(sentence_of(core::Astray::kSpins, 6.24, 0.612, p)) ==
+  CHECK(told(sentence_of(core::StationLoss::kSpins, 6.24, 0.612, p)) ==
         "boat spins: 0.61 rad/s, LAW_R_MAX is 0.5");
 }
 

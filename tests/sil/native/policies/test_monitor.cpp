@@ -107,7 +107,7 @@ TEST_CASE("frames that are changed on the bus break the rules about them") {
   CHECK(after(status, [](auto& f) { f.id ^= 1U << 15U; }) == "NodeStatus at least every 1.1 s");
   CHECK(after(status, [](auto& f) { f.data[0] = 0; }) == "a node's uptime never runs backwards");
   CHECK(after(status, [](auto& f) { f.data[4] = 0x40; }) ==
-        "NodeStatus tells a node that is well and operational");
+        "NodeStatus reports OK and operational");
   CHECK(after(command, [](auto& f) { f.id ^= 1U; }) == "every frame is from CAN_NODE");
   CHECK(after(command, [](auto& f) { f.id ^= 1U << 15U; }) == "one RawCommand in every tick");
   const auto cut = [](auto& f) {
@@ -117,7 +117,7 @@ TEST_CASE("frames that are changed on the bus break the rules about them") {
   CHECK(after(command, cut) == "RawCommand names both propellers' ESCs");
   CHECK(after(status, [](auto& f) { f.data[f.size - 1U] ^= 0x20; }) ==
         "every transfer is whole and its checksum good");
-  CHECK(after(arming, id) == "transfer ids count on");
+  CHECK(after(arming, id) == "transfer ids increase by one");
 }
 
 TEST_CASE("a boat armed by nobody's command breaks the rule that says so") {

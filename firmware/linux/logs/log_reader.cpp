@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "linux/logs/log_shelf.hpp"
+#include "linux/logs/log_reader.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -22,8 +22,8 @@ bool is_log(const std::filesystem::path& file) {
 }
 
 std::uint32_t clipped(std::int64_t number) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(number, 0, kMost));
+  constexpr std::int64_t kMax = std::numeric_limits<std::uint32_t>::max();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(number, 0, kMax));
 }
 
 std::uint32_t unix_s(std::filesystem::file_time_type time) {
@@ -33,30 +33,30 @@ std::uint32_t unix_s(std::filesystem::file_time_type time) {
 
 }  // namespace
 
-LogShelf::LogShelf(std::filesystem::path directory)
+LogReader::LogReader(std::filesystem::path directory)
     : directory_(std::move(directory)),
       reader_(kLookEvery, [this] { work(); }, "the reader of logs") {}
 
-void LogShelf::ask(const Question& question) {
+void LogReader::ask(const Request& request) {
   if (state_.load(std::memory_order_acquire) != State::kIdle) return;
-  question_ = question;
+  request_ = request;
   state_.store(State::kAsked, std::memory_order_release);
 }
 
-std::optional<LogShelf::Answer> LogShelf::take() {
+std::optional<LogReader::Answer> LogReader::take() {
   if (state_.load(std::memory_order_acquire) != State::kAnswered) return std::nullopt;
   state_.store(State::kIdle, std::memory_order_relaxed);
-  return Answer{question_, logs_, bytes_};
+  return Answer{request_, logs_, bytes_};
 }
 
-void LogShelf::work() {
+void LogReader::work() {
   if (state_.load(std::memory_order_acquire) != State::kAsked) return;
-  question_.list ? list() : read();
+  request_.list ? list() : read();
   state_.store(State::kAnswered, std::memory_order_release);
 }
 
 /// The oldest first.
-void LogShelf::list() {
+void LogReader::list() {
   logs_.clear();
   std::error_code error;
   for (std::filesystem::directory_iterator entry(directory_, error), end; !error && entry != end;
@@ -71,12 +71,12 @@ void LogShelf::list() {
   std::ranges::sort(logs_, {}, [](const Log& log) { return std::pair(log.time_s, log.file); });
 }
 
-void LogShelf::read() {
+void LogReader::read() {
   bytes_.clear();
-  if (question_.log >= logs_.size()) return;
-  std::ifstream file(logs_[question_.log].file, std::ios::binary);
-  if (!file.seekg(question_.offset)) return;
-  bytes_.resize(question_.bytes);
+  if (request_.log >= logs_.size()) return;
+  std::ifstream file(logs_[request_.log].file, std::ios::binary);
+  if (!file.seekg(request_.offset)) return;
+  bytes_.resize(request_.bytes);
   file.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(bytes_.size()));
   bytes_.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
 }

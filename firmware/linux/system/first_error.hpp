@@ -10,7 +10,7 @@
 
 namespace flotilla::target {
 
-class FirstComplaint {
+class FirstError {
  public:
   /// For the background thread; keeps only the first.
   void put(std::string_view sentence) {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "linux/logs/log_shelf.hpp"
+#include "linux/logs/log_reader.hpp"
 #include "linux/scratch.hpp"
 
 namespace flotilla::target {
@@ -22,16 +22,16 @@ void put(const fs::path& file, const std::string& content, int age_s) {
   fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::seconds(age_s));
 }
 
-LogShelf::Answer answer_to(LogShelf& shelf, const LogShelf::Question& question) {
-  shelf.ask(question);
+LogReader::Answer answer_to(LogReader& reader, const LogReader::Request& request) {
+  reader.ask(request);
   for (;;) {
-    if (const auto answer = shelf.take()) return *answer;
+    if (const auto answer = reader.take()) return *answer;
     std::this_thread::yield();
   }
 }
 
-std::string read(LogShelf& shelf, std::size_t log, std::uint32_t offset, std::size_t bytes) {
-  const auto got = answer_to(shelf, {false, log, offset, bytes}).bytes;
+std::string read(LogReader& reader, std::size_t log, std::uint32_t offset, std::size_t bytes) {
+  const auto got = answer_to(reader, {false, log, offset, bytes}).bytes;
   return {got.begin(), got.end()};
 }
 
@@ -43,10 +43,10 @@ TEST_CASE("logs are listed by their age, and no other file is") {
   put(folder / "secret.txt", "no log", 1);
   put(folder / "can-00008.tlog.gz", "none either", 1);
   fs::create_directory(folder / "mavlink0-9.tlog");
-  LogShelf shelf(folder.path());
-  const auto answer = answer_to(shelf, {true, 0, 0, 0});
+  LogReader reader(folder.path());
+  const auto answer = answer_to(reader, {true, 0, 0, 0});
   std::vector<std::string> names;
-  for (const LogShelf::Log& log : answer.logs) names.push_back(log.file.filename().string());
+  for (const LogReader::Log& log : answer.logs) names.push_back(log.file.filename().string());
   CHECK(names ==
         std::vector<std::string>{"mavlink0-00001.tlog", "can-00007.log", "mavlink0-00002.tlog"});
   CHECK(answer.logs[1].size == 7);
@@ -57,21 +57,21 @@ TEST_CASE("logs are listed by their age, and no other file is") {
 TEST_CASE("a log is read from anywhere, to its end and no further") {
   const Scratch folder;
   put(folder / "can-00001.log", "0123456789", 5);
-  LogShelf shelf(folder.path());
-  answer_to(shelf, {true, 0, 0, 0});
-  CHECK(read(shelf, 0, 0, 4) == "0123");
-  CHECK(read(shelf, 0, 7, 90) == "789");
-  CHECK(read(shelf, 0, 10, 90).empty());
-  CHECK(read(shelf, 0, 4'000'000'000, 90).empty());
-  CHECK(read(shelf, 1, 0, 90).empty());
+  LogReader reader(folder.path());
+  answer_to(reader, {true, 0, 0, 0});
+  CHECK(read(reader, 0, 0, 4) == "0123");
+  CHECK(read(reader, 0, 7, 90) == "789");
+  CHECK(read(reader, 0, 10, 90).empty());
+  CHECK(read(reader, 0, 4'000'000'000, 90).empty());
+  CHECK(read(reader, 1, 0, 90).empty());
   fs::remove(folder / "can-00001.log");
-  CHECK(read(shelf, 0, 0, 90).empty());
+  CHECK(read(reader, 0, 0, 90).empty());
 }
 
 TEST_CASE("a directory that is not there has no logs, and an answer is given once") {
-  LogShelf shelf("/nowhere/at/all");
-  CHECK(answer_to(shelf, {true, 0, 0, 0}).logs.empty());
-  CHECK_FALSE(shelf.take());
+  LogReader reader("/nowhere/at/all");
+  CHECK(answer_to(reader, {true, 0, 0, 0}).logs.empty());
+  CHECK_FALSE(reader.take());
 }
 
 }  // namespace
