@@ -60,6 +60,7 @@ template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   while (links_.next(link, received_, now_us, counters_)) {
     fleet_.hear(received_, now_us);
+    if (is_namesakes_rc(link)) continue;
     const bool operators = vehicle_.take(link, received_, now_us, counters_);
     if (operators) continue;
     if (const auto* time = std::get_if<link::SystemTime>(&received_.message)) {
@@ -68,6 +69,14 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
       pilot_.take(received_, link, now_us, counters_, fleet_.may_claim(received_));
     }
   }
+}
+
+/// A pilot's sticks and their receiver belong to the own unit: on another link they are those of a
+/// vessel with the same system id.
+template <class S>
+bool Boat<S>::is_namesakes_rc(std::size_t link) const {
+  const bool rc = received_.id == link::RcChannels::kId || received_.id == link::SysStatus::kId;
+  return rc && received_.from.system == vehicle_.self().system && pilot_.own_is_elsewhere(link);
 }
 
 /// Accepts the time only from the own system: signed, or on a link without signing (the unit's

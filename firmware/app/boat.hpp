@@ -144,6 +144,7 @@ class Boat {
 
   const Configuration& configuration() const { return vehicle_.configuration(); }
   void take_all(std::size_t link, std::int64_t now_us);
+  bool is_namesakes_rc(std::size_t link) const;
   void learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us);
   void set_clock();
   void give_up(std::size_t link, std::int64_t now_us);

@@ -144,7 +144,7 @@ def test_a_unit_that_is_first_heard_after_arming_counts_where_its_link_is_named(
     sea.run(3.0)
     if not named:
         assert not sea.condition("own_fresh")
-        assert "navigation unit first heard when armed: disarm" in texts(sea.ticks)
+        assert "own states ignored: disarm, or set NAV_LINK" in texts(sea.ticks)
         sea.disarm()
         sea.run(1.0)
         sea.enter_hold()

@@ -377,7 +377,8 @@ def test_a_boat_stays_behind_a_leader_that_returns_or_returns_alone(
     sea = Sea({"RTL_ALONE": alone, "FORM_OFS_N": -3.0})
     sea.enter_formation()
     armed = mavlink.MAV_MODE_FLAG_SAFETY_ARMED | mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
-    for mode, expected in ((AUTO, "FORMATION"), (RTL, into)):
+    steps = ((AUTO, "FORMATION"), (RTL, "FORMATION"), (RTL, "FORMATION"), (RTL, into))
+    for mode, expected in steps:  # one report alone may be late
         beat = mavlink.MAVLink_heartbeat_message(11, 0, armed, mode, 4, 3)
         sea.say(beat, sender=sea.leader.station)
         sea.run(0.1)

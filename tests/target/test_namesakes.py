@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.operator_words import sticks
 from tests.target.sea import TURN, Sea, Tick, acks, named, texts
-from tests.target.stations import ARM, BOAT, Station, command_long, heartbeat
+from tests.target.stations import ARM, BOAT, Station, command_long, heartbeat, odometry
 from tests.target.two_links import OTHER, TO_OTHER, known, sent
 
 DOUBLE = "another sender"
@@ -140,3 +140,11 @@ def test_a_boat_under_the_law_holds_as_another_uses_its_name_and_may_be_driven_h
         sea.say(sticks(500, 0))
         sea.step()
     assert sea.state == "MANUAL" and all(sea.commands)
+
+
+def test_own_states_on_a_second_link_are_ignored_and_told() -> None:
+    """The first link with states may be a radio, and the states those of another boat."""
+    sea = Sea(links=2)
+    sea.run(1.0)
+    sea.say(odometry(sea.own.truth(sea.now_us), sea.now_us), sender=sea.own.station, link=1)
+    assert "own states ignored: disarm, or set NAV_LINK" in texts(sea.run(0.5))

@@ -77,6 +77,18 @@ def test_a_stick_that_is_moved_wins_within_a_fifth_of_a_second_at_ten_messages_a
     assert sea.state == "FORMATION"
 
 
+def test_sticks_on_another_link_than_the_units_are_those_of_another_boat_with_our_system_id() -> (
+    None
+):
+    sea = Sea(WITH_RC, links=2)
+    sea.enter_formation()
+    for message in (rc(), rc(starboard=0.5), rc(on=True)):
+        for _ in range(6):
+            sea.say(message, sender=RECEIVER, link=1)
+            sea.run(EVERY_S)
+    assert sea.state == "FORMATION"
+
+
 def test_the_switch_wins_over_an_operator() -> None:
     sea = at_sea(WITH_RC)
     for _ in range(20):

@@ -157,3 +157,15 @@ def test_a_radio_that_may_be_asked_more_often_again_is_asked_so_at_once(after_s:
     asked_us += [tick.now_us for tick in sea.run(3.0) if asks(tick, 1)]
     assert asked_us[1] - max(asked_us[0], changed_us - 100_000) <= 1_100_000
     assert max(b - a for a, b in pairwise(asked_us[1:])) <= 1_010_000
+
+
+def test_an_answer_on_another_link_than_the_units_says_nothing_of_its_age() -> None:
+    sea = Sea({"NAV_LAG_S": -1.0, "FORM_LAG_S": 0.0}, links=2)
+    sea.own.delay_us = 3_000_000
+    for _ in range(900):
+        for asked in sea.step().named("TIMESYNC", 1):
+            if asked.tc1 == 0:
+                late_ns = 1000 * (sea.now_us - sea.own.delay_us)
+                answer = mavlink.MAVLink_timesync_message(late_ns, asked.ts1)
+                sea.say(answer, sender=Station(BOAT, NAVIGATION), link=1)
+    assert not sea.condition("own_timed")

@@ -45,6 +45,11 @@ POOR = {
     "500 m": (estimator(), estimator(accuracy_m=500.0), "position accuracy"),
     "refused fixes": (estimator(), estimator(ratio=1.2), "estimator test ratios"),
     "no place": (estimator(), estimator(flags=3), "estimator flags"),
+    "no absolute place": (
+        estimator(),
+        estimator(flags=WELL & ~mavlink.ESTIMATOR_POS_HORIZ_ABS),
+        "estimator flags",
+    ),
     "ArduPilot's variance": (ekf(), ekf(variance=0.9), "estimator test ratios"),
     "ArduPilot's glitch": (ekf(), ekf(flags=WELL | 32768), "estimator flags"),
 }

@@ -42,7 +42,7 @@ void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::i
                         link::Counters& counters) {
   if (received.from.system != track_.system()) return;
   if (!may_be_own(link, now_us)) {
-    stranger_ = stranger_ || (!named_link_ && !link_ && tells_place(received.message));
+    stranger_ = stranger_ || (!named_link_ && tells_place(received.message));
     return;
   }
   const std::uint8_t unit = track_.unit();
@@ -65,9 +65,14 @@ std::optional<link::GpsRawInt> OwnMotion<S>::gps(std::int64_t now_us) const {
 
 template <class S>
 bool OwnMotion<S>::may_be_own(std::size_t link, std::int64_t now_us) const {
+  if (!named_link_ && !armed_ && (!link_ || track_.silent(now_us))) return true;
+  return (named_link_ || link_) && !is_elsewhere(link);
+}
+
+template <class S>
+bool OwnMotion<S>::is_elsewhere(std::size_t link) const {
   const auto& pinned = named_link_ ? named_link_ : link_;
-  if (!pinned) return !armed_;
-  return *pinned == link || (!named_link_ && !armed_ && track_.silent(now_us));
+  return pinned && *pinned != link;
 }
 
 template <class S>

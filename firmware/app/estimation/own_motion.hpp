@@ -32,12 +32,17 @@ class OwnMotion {
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
             link::Counters& counters);
 
+  /// Whether messages of this link may be the own unit's.
+  bool may_be_own(std::size_t link, std::int64_t now_us) const;
+  /// The own unit is on another link than this one.
+  bool is_elsewhere(std::size_t link) const;
+
   /// The navigation unit's states.
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }
-  /// A unit was first heard while the boat was armed. The boat ignores it, because it may be
-  /// another's.
+  /// Own states were ignored, as they may be another vessel's: they came on another link than the
+  /// first ones, or for the first time while the boat was armed.
   bool take_stranger() { return std::exchange(stranger_, false); }
   const UnitQuality& quality() const { return quality_; }
   /// The unit's last GPS_RAW_INT, unless it is two seconds old.
@@ -65,7 +70,6 @@ class OwnMotion {
   void set_limits(const convert::Law<S>& law) {
     track_.set_limits(armed_ ? law.afloat : law.carried);
   }
-  bool may_be_own(std::size_t link, std::int64_t now_us) const;
   void carry(std::int64_t now_us);
   void push_moment();
   bool update_latency(const core::TrackMessage<S>& fix, std::int64_t age_us);

@@ -13,7 +13,7 @@ constexpr std::int64_t kSettled_us = 1'000'000, kNever = std::numeric_limits<std
 constexpr float kBetter = 0.8F;
 
 // Bits that ESTIMATOR_STATUS and EKF_STATUS_REPORT share, and bits that only one of them has.
-constexpr unsigned kAttitude = 1, kVelocity = 2, kPlace = 8 | 16;
+constexpr unsigned kAttitude = 1, kVelocity = 2, kPlace = 16;
 constexpr unsigned kConstantPlace = 128, kGlitchOrUninitialised = 1024, kGpsGlitch = 32768;
 
 /// The quantity of a message that is beyond its limit, empty if none is; nothing if the message
@@ -32,9 +32,9 @@ Verdict judge(const link::GpsRawInt& m, const Configuration::Quality& limits) {
 
 Verdict judge(unsigned flags, std::initializer_list<float> ratios,
               const Configuration::Quality& limits) {
-  constexpr unsigned kNeeded = kAttitude | kVelocity;
+  constexpr unsigned kNeeded = kAttitude | kVelocity | kPlace;
   constexpr unsigned kBad = kConstantPlace | kGlitchOrUninitialised | kGpsGlitch;
-  if ((flags & kNeeded) != kNeeded || (flags & kPlace) == 0 || (flags & kBad) != 0) {
+  if ((flags & kNeeded) != kNeeded || (flags & kBad) != 0) {
     return "estimator flags";
   }
   if (std::ranges::any_of(ratios, [&](float x) { return beyond(x, limits.ratio); }))

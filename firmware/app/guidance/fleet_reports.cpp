@@ -14,6 +14,7 @@ namespace mav = link::mav;
 
 // A boat silent for this long has left, or has failed: do not wait for it.
 constexpr std::int64_t kSilent_us = 3'000'000;
+constexpr int kReturns = 3;
 
 }  // namespace
 
@@ -22,7 +23,7 @@ void FleetReports::configure(std::uint8_t own_system, std::uint8_t leader, std::
     members_ = {};
     used_ = 0;
   }
-  if (leader != leader_) return_us_.reset();
+  if (leader != leader_) returns_ = 0;
   own_ = own_system;
   leader_ = leader;
   wait_us_ = wait_us;
@@ -80,10 +81,9 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
   } else if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
     if (from != leader_ || beat->autopilot == mav::kAutopilotInvalid) return;
     constexpr std::uint8_t kSails = mav::kModeFlagCustom | mav::kModeFlagArmed;
-    return_us_.reset();
-    if (beat->custom_mode == mode::kReturn && (beat->base_mode & kSails) == kSails) {
-      return_us_ = now_us;
-    }
+    const bool returns = beat->custom_mode == mode::kReturn && (beat->base_mode & kSails) == kSails;
+    returns_ = returns ? std::min(returns_ + 1, kReturns) : 0;
+    return_us_ = now_us;
   }
 }
 
@@ -95,7 +95,7 @@ std::optional<std::uint8_t> FleetReports::late(std::int64_t now_us) const {
 }
 
 bool FleetReports::leader_returns(std::int64_t now_us) const {
-  return return_us_ && now_us - *return_us_ < kSilent_us;
+  return returns_ == kReturns && now_us - return_us_ < kSilent_us;
 }
 
 }  // namespace flotilla::app

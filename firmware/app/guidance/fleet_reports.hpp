@@ -25,7 +25,7 @@ class FleetReports {
   /// up its wait.
   std::optional<std::uint8_t> late(std::int64_t now_us) const;
 
-  /// The leader reports that it is armed and in RTL.
+  /// The leader reports that it is armed and in RTL, three times in a row: one report may be late.
   bool leader_returns(std::int64_t now_us) const;
 
  private:
@@ -46,7 +46,8 @@ class FleetReports {
 
   std::uint8_t own_ = 0, leader_ = 0;
   std::int64_t wait_us_ = 0;
-  std::optional<std::int64_t> return_us_;  // last report of RTL by the leader
+  std::int64_t return_us_ = 0;  // last report of RTL by the leader
+  int returns_ = 0;             // such reports in a row
   std::array<Member, 24> members_{};
   std::size_t used_ = 0;  // entries from here on are free
 };

@@ -49,7 +49,7 @@ template <class S>
 void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
                     link::Counters& counters, bool may_claim) {
   if (const auto* answer = std::get_if<link::Timesync>(&received.message)) {
-    take_time(received.from, *answer, now_us);
+    take_time(received.from, *answer, link, now_us);
     return;
   }
   own_.take(received, link, now_us, counters);
@@ -68,11 +68,12 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
 }
 
 template <class S>
-void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us) {
+void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::size_t link,
+                         std::int64_t now_us) {
   const auto sent_us = time_.sent_us(answer);
   if (!sent_us) return;
   const std::int64_t read_us = answer.tc1 / 1000;
-  own_.track().answered(from, *sent_us, read_us, now_us);
+  if (own_.may_be_own(link, now_us)) own_.track().answered(from, *sent_us, read_us, now_us);
   leader_.answered(from, *sent_us, read_us, now_us);
   reference_.answered(from, *sent_us, read_us, now_us);
 }

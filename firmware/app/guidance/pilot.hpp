@@ -38,6 +38,9 @@ class Pilot {
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
             link::Counters& counters, bool may_claim);
 
+  /// The own unit is on another link than this one.
+  bool own_is_elsewhere(std::size_t link) const { return own_.is_elsewhere(link); }
+
   /// Makes the TIMESYNC requests to send; take() gets the answers.
   TimeRequests& time_requests() { return time_; }
 
@@ -185,7 +188,8 @@ class Pilot {
   }
 
  private:
-  void take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us);
+  void take_time(link::Address from, const link::Timesync& answer, std::size_t link,
+                 std::int64_t now_us);
   Lead<S> lead(std::int64_t now_us) const;
   Lead<S> lead_of(const typename Reference<S>::Aim& aim) const;
   Lead<S> lead_of_plan() const;

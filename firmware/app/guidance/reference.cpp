@@ -72,7 +72,7 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
   const auto branch = place_.branch(now_us);
   if (own == nullptr || branch != Branch{m.root, m.maker}) return;
   if (!is_newer(m, *branch, valid_us)) return;
-  if (held_ && held_->branch != *branch) guard_.forget();
+  if (held_ && held_->branch.root != branch->root) guard_.forget();
   const auto root = convert::root_state_of<S>(m, own->origin.altitude);
   if (!root) {
     ++counters.mavlink_bad_value;

@@ -71,10 +71,14 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
   } else if (is(link::SafetyState::kType)) {
     const auto transfer = complete(link::SafetyState::kType);
     const auto state = transfer ? link::read_safety_state(transfer->payload) : std::nullopt;
-    if (state) {
-      has_safety_switch_ = true;
-      (state->status == link::SafetyState::kOff ? safety_off_us_ : safety_on_us_) = now_us;
-    }
+    if (!state) return;
+    if (state->status != link::SafetyState::kOff) safety_on_us_ = now_us;
+    const auto known = std::ranges::find_if(switches_, [&](const SafetySwitch& one) {
+      return one.node == route->source || one.node == 0;
+    });
+    if (known == switches_.end()) return;
+    known->node = route->source;
+    if (state->status == link::SafetyState::kOff) known->off_us = now_us;
   } else if (is(link::Button::kType)) {
     const auto transfer = complete(link::Button::kType);
     const auto button = transfer ? link::read_button(transfer->payload) : std::nullopt;
@@ -162,7 +166,11 @@ bool CanNode::esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t l
 
 bool CanNode::stop_pressed(std::int64_t now_us) const {
   return now_us - button_us_ < kButtonGone_us || now_us - safety_on_us_ <= kSafetyGone_us ||
-         (has_safety_switch_ && now_us - safety_off_us_ > kSafetyGone_us);
+         std::ranges::any_of(
+             switches_,
+             [&](const SafetySwitch& one) {
+               return one.node != 0 && now_us - one.off_us > kSafetyGone_us;
+             });
 }
 
 bool CanNode::foreign_controller(std::int64_t now_us) const {

@@ -79,6 +79,10 @@ class CanNode {
     std::uint16_t turns_ms = 0;   ///< turning fast, and maybe driven, although commanded to stop
     std::uint16_t obeyed_ms = kMinute_ms;
   };
+  struct SafetySwitch {
+    std::uint8_t node = 0;  ///< 0: a free entry
+    std::int64_t off_us = kNever;
+  };
   /// Kept small: there are 128 of them.
   struct Node {
     std::int64_t heard_us = kNever;
@@ -114,8 +118,8 @@ class CanNode {
   std::optional<link::Allocation> allocation_;
   std::optional<std::int64_t> foreign_us_;
   std::int64_t button_us_ = kNever;
-  std::int64_t safety_on_us_ = kNever, safety_off_us_ = kNever;
-  bool has_safety_switch_ = false;
+  std::int64_t safety_on_us_ = kNever;
+  std::array<SafetySwitch, 4> switches_{};
   std::optional<std::int64_t> started_us_;
   Schedule arming_due_;
   Schedule status_due_;

@@ -444,6 +444,17 @@ TEST_CASE("a root that jumps is not followed until it has been there for a secon
   }
 }
 
+TEST_CASE("a root that jumps when another boat makes its reference is not followed either") {
+  Follower f;
+  f.hear_until(kSecond_us, 3 * kSecond_us);
+  auto m = Follower::reference(3 * kSecond_us, ++f.sequence);
+  m.maker = 9;
+  m.east += 20 * 1024;
+  f.hear(m, 3 * kSecond_us);
+  CHECK(f.refused() == 1);
+  CHECK(off_m(f.boat, 3 * kSecond_us) < 0.02);
+}
+
 TEST_CASE("what is refused is not handed on") {
   Follower f;
   f.hear_until(kSecond_us, 3 * kSecond_us);

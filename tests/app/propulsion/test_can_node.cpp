@@ -171,6 +171,9 @@ TEST_CASE("a stop on the bus is pressed while it says so, and where a safety swi
   hear(safety, 255, 60'000'000);
   CHECK_FALSE(node.stop_pressed(62'000'000));
   CHECK(node.stop_pressed(62'000'001));
+  const std::array<std::uint8_t, 2> off{255, tail};
+  node.on_frame(0x1000003DU | safety << 8U, off, 62'000'000, counters);
+  CHECK(node.stop_pressed(62'000'001));  // another switch that is off stands for itself alone
 }
 
 TEST_CASE("any frames crash nothing and put no ESC online") {

@@ -62,7 +62,7 @@ void Warnings<S>::warn_of_vessels(const Seen& seen) {
 template <class S>
 void Warnings<S>::warn_of_unit(const Seen& seen) {
   if (pilot_.take_stranger() && quality_due_.take_if_due(seen.now_us)) {
-    warn("navigation unit first heard when armed: disarm");
+    warn("own states ignored: disarm, or set NAV_LINK");
   }
   warn_of_time(seen);
   if ((seen.conditions & core::kOwnGood) == 0 && quality_due_.take_if_due(seen.now_us)) {
