@@ -74,13 +74,18 @@ def _status(station: Station, _: Wish, boats: Sequence[int], console: Console) -
 
 def _stop(station: Station, wish: Wish, console: Console) -> int:
     answers = stop(station, wish.boats)
-    if not answers:
+    asked = [answer.system for answer in answers]
+    strangers = [boat for boat in station.strangers() if boat not in asked]
+    if not answers and not strangers:
         console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
         return 1
-    told = told_epochs(station, [answer.system for answer in answers])
-    for warning in warnings_of(told):
+    for warning in warnings_of(told_epochs(station, asked)):
         console.print(f"[bold yellow]{warning}", soft_wrap=True)
-    return _report(station, answers, "stopped and disarmed", console)
+    status = _report(station, answers, "stopped and disarmed", console)
+    for boat in strangers:
+        why = f"is heard, but does not say that it runs Flotilla: --boats {boat} stops it"
+        console.print(f"[bold red]boat {boat} {why}", soft_wrap=True)
+    return 1 if strangers else status
 
 
 def _to_all(order: Order, done: str) -> Callable[..., int]:

@@ -110,16 +110,16 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
     table, also sends a table that stops all of its members; boats pass it on. It also lists, and
     orders to stop, the members of every table that boats have passed on.
     """
-    since_s, heard = station.now_s(), len(station.acks)
+    since_s, begun = station.now_s(), len(station.acks)
     order, table = long(DISARM), StopTable(station)
     results: dict[int, int] = {}
     count = 0
 
     def everyone() -> list[int]:
-        return sorted({*named, *station.boats(), *_only_listed(station)})
+        return sorted({*named, *station.boats(), *_listed(station)})
 
     def open_ones() -> list[int]:
-        for ack in station.acks[heard:]:
+        for ack in station.acks[begun:]:
             if ack.command == mavlink.MAV_CMD_COMPONENT_ARM_DISARM:
                 results[ack.system] = ack.result
         return [system for system in everyone() if results.get(system) != _ACCEPTED]
@@ -136,18 +136,22 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
         table.send(everyone(), open_ones() if late else ())
         count += 1
         station.run(_STOP_RETRY_S, lambda known=known: everyone() != known or is_over())  # type: ignore[misc]
-    unheard = _only_listed(station) - {*named}
+    heard = {system for system, kind in _kinds(station).items() if kind is not None}
+    unheard = _listed(station) - heard - {*named}
     return [
         Answer(system, results.get(system), _said(station, system, since_s), system in unheard)
         for system in everyone()
     ]
 
 
-def _only_listed(station: Station) -> set[int]:
-    """Members of the heard tables that are not heard themselves, as a boat or another vessel."""
-    vessels = station.fleet.systems.items()
-    others = {system for system, vessel in vessels if vessel.kind is not None}
-    return station.table().places.keys() - others - {*station.boats(), station.system}
+def _listed(station: Station) -> set[int]:
+    """Members of the heard tables that are not known as boats; without virtual leaders."""
+    virtual = {system for system, kind in _kinds(station).items() if kind == "leader"}
+    return station.table().places.keys() - virtual - {*station.boats(), station.system}
+
+
+def _kinds(station: Station) -> dict[int, str | None]:
+    return {system: vessel.kind for system, vessel in station.fleet.systems.items()}
 
 
 def leader_last(station: Station, systems: Iterable[int]) -> list[int]:

@@ -86,6 +86,7 @@ class Station:
         # with another number.
         self._sequence = int(1000.0 * self._began_s)
         self._autopilots: dict[int, set[int]] = {}  # components that a boat's heartbeat came from
+        self._surface_boats: set[int] = set()  # ours and others
         self._beacons: dict[tuple[int, int], tuple[float, Beacon]] = {}
         self._tables = HeardTables()
         self._routes: dict[int, dict[tuple[End, Peer], float]] = {}
@@ -99,6 +100,10 @@ class Station:
     def boats(self) -> list[int]:
         """System ids of the Flotilla boats: those whose autopilot's heartbeat was ever heard."""
         return sorted(self._autopilots.keys())
+
+    def strangers(self) -> list[int]:
+        """Surface boats that are heard at present, and have not said that they run Flotilla."""
+        return sorted(filter(self.is_heard, self._surface_boats - self._autopilots.keys()))
 
     def is_heard(self, system: int) -> bool:
         """Whether a system is heard at present."""
@@ -223,8 +228,10 @@ class Station:
 
     def _look_at_heartbeat(self, system: int, component: int, fields: tuple[Any, ...]) -> None:
         """Record the component that sends a boat's heartbeat: its autopilot, or a companion."""
-        mode, _, autopilot = fields[:3]
+        mode, kind, autopilot = fields[:3]
         is_none = autopilot == mavlink.MAV_AUTOPILOT_INVALID
+        if kind == mavlink.MAV_TYPE_SURFACE_BOAT and not is_none:
+            self._surface_boats.add(system)
         is_boat = self.fleet.systems[system].kind == "boat" and mode in _MODES
         if is_boat and (component == _COMPANION or not is_none):
             self._autopilots.setdefault(system, set()).add(component)
