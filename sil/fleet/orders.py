@@ -7,7 +7,7 @@ from typing import NamedTuple
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.fleet.lead import root
-from sil.fleet.station import Station
+from sil.fleet.station import Ack, Station
 from sil.fleet.tables import StopTable
 from sil.wire.operator import DISARM, Request
 
@@ -80,14 +80,14 @@ def go_to(latitude: int, longitude: int) -> Order:
 
 def carry_out(station: Station, order: Order, systems: Sequence[int]) -> list[Answer]:
     """Send the order to each system until it answers, for at most 6 s; then listen for reasons."""
-    since_s, heard = station.now_s(), len(station.acks)
+    since_s = station.now_s()
     command = order(0, 0).command
     open_ones = dict.fromkeys(systems, 0)
     results: dict[int, int] = {}
 
     def all_answered() -> bool:
-        for ack in station.acks[heard:]:
-            if ack.command == command and ack.system in open_ones:
+        for ack in _acks(station, command, since_s):
+            if ack.system in open_ones:
                 results.setdefault(ack.system, ack.result)
         return len(results) == len(open_ones)
 
@@ -110,7 +110,7 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
     table, also sends a table that stops all of its members; boats pass it on. It also lists, and
     orders to stop, the members of every table that boats have passed on.
     """
-    since_s, begun = station.now_s(), len(station.acks)
+    since_s = station.now_s()
     order, table = long(DISARM), StopTable(station)
     results: dict[int, int] = {}
     count = 0
@@ -119,9 +119,8 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
         return sorted({*named, *station.boats(), *_listed(station)})
 
     def open_ones() -> list[int]:
-        for ack in station.acks[begun:]:
-            if ack.command == mavlink.MAV_CMD_COMPONENT_ARM_DISARM:
-                results[ack.system] = ack.result
+        for ack in _acks(station, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, since_s):
+            results[ack.system] = ack.result
         return [system for system in everyone() if results.get(system) != _ACCEPTED]
 
     def is_over() -> bool:
@@ -142,6 +141,11 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
         Answer(system, results.get(system), _said(station, system, since_s), system in unheard)
         for system in everyone()
     ]
+
+
+def _acks(station: Station, command: int, since_s: float) -> list[Ack]:
+    """The answers to a command that was first sent at `since_s`."""
+    return [ack for ack in station.acks if ack.command == command and ack.at_s > since_s]
 
 
 def _listed(station: Station) -> set[int]:

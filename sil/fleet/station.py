@@ -35,6 +35,7 @@ _MOST_KEPT = 1000  # acknowledgements and texts; a command hears a few dozen
 class Ack(NamedTuple):
     """A boat's answer to a command of this station."""
 
+    at_s: float
     system: int
     command: int
     result: int
@@ -217,7 +218,7 @@ class Station:
         elif number == messages.COMMAND_ACK:
             command, result, _, _, to_system, to_component = fields
             if (to_system, to_component) == (self.system, COMPONENT):
-                self.acks = [*self.acks[-_MOST_KEPT:], Ack(system, command, result)]
+                self.acks = [*self.acks[-_MOST_KEPT:], Ack(now_s, system, command, result)]
         elif number == messages.PARAM_VALUE:
             name = fields[3].split(b"\0")[0].decode("ascii", "replace")
             self.parameters[system, name] = fields[0]

@@ -13,6 +13,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from sil.fleet.ends import Peer
 from sil.fleet.orders import carry_out, long, stop
+from sil.fleet.station import Ack
 from sil.fleet.tables import assigned, shape_places
 from sil.scenario.formation import Formation, slots
 from sil.wire.heartbeat import HOLD
@@ -275,6 +276,16 @@ def test_acknowledgements_of_another_operators_orders_do_not_count(waters: Water
         4,
         0,
     ]
+
+
+def test_a_station_that_has_kept_as_many_answers_as_it_can_still_hears_them(
+    waters: Waters,
+) -> None:
+    station = waters.station()
+    station.run(2.0)
+    station.acks = [Ack(0.0, 1, 400, 0)] * 1001
+    assert all(answer.accepted for answer in carry_out(station, long(mode_request(HOLD)), BOATS))
+    assert all(answer.accepted for answer in stop(station, ()))
 
 
 def test_a_boat_that_obeys_one_station_alone_says_so(waters: Waters) -> None:
