@@ -9,7 +9,18 @@ from rich.console import Console
 
 from sil.fleet import fleet_status
 from sil.fleet.lead import leading_boat, root
-from sil.fleet.orders import DISCOVERY_S, Answer, Order, carry_out, go_to, long, stop, tell
+from sil.fleet.orders import (
+    DISCOVERY_S,
+    IS_DISARMED,
+    RESTS,
+    Answer,
+    Order,
+    carry_out,
+    go_to,
+    long,
+    stop,
+    tell,
+)
 from sil.fleet.shape_change import change
 from sil.fleet.station import STALE_S, Station
 from sil.fleet.tables import told_epochs, warnings_of
@@ -88,9 +99,9 @@ def _stop(station: Station, wish: Wish, console: Console) -> int:
     return 1 if strangers else status
 
 
-def _to_all(order: Order, done: str) -> Callable[..., int]:
+def _to_all(order: Order, done: str, states: Sequence[str] = ()) -> Callable[..., int]:
     def act(station: Station, _: Wish, boats: Sequence[int], console: Console) -> int:
-        return _report(station, carry_out(station, order, boats), done, console)
+        return _report(station, carry_out(station, order, boats, states), done, console)
 
     return act
 
@@ -193,8 +204,8 @@ def is_on_globe(latitude: float, longitude: float) -> bool:
 _ACTIONS: dict[str, Callable[[Station, Wish, Sequence[int], Console], int]] = {
     "status": _status,
     "arm": _to_all(long(ARM), "armed"),
-    "disarm": _to_all(long(DISARM), "disarmed"),
-    "hold": _to_all(long(mode_request(HOLD)), "in HOLD"),
+    "disarm": _to_all(long(DISARM), "disarmed", IS_DISARMED),
+    "hold": _to_all(long(mode_request(HOLD)), "in HOLD", RESTS),
     "form": _form,
     "follow": _follow,
     "go": _go,

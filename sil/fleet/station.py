@@ -41,6 +41,13 @@ class Ack(NamedTuple):
     result: int
 
 
+class Shown(NamedTuple):
+    """The state in a HEARTBEAT; of a vessel that is not known as a boat, as if it were one."""
+
+    at_s: float
+    state: str | None
+
+
 class Text(NamedTuple):
     """A STATUSTEXT."""
 
@@ -52,11 +59,12 @@ class Text(NamedTuple):
 class Station:
     """One station at `ends`, with system id `system`; with a `signer`, it accepts only its key.
 
-    `fleet`: the vessels heard. `signs`: system ids of those that sign, where the station has no
-    key. `parameters`: by system id and name. `aliases`: more system ids of this program, whose
-    messages are ignored; `echoed`: the numbers of such messages. `refused`: number of messages
-    without a good signature. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
-    `meanwhile` is called at least 20 times a second while it listens.
+    `fleet`: the vessels heard. `shown`: the last state of each, however old. `signs`: system ids of
+    those that sign, where the station has no key. `parameters`: by system id and name. `aliases`:
+    more system ids of this program, whose messages are ignored; `echoed`: the numbers of such
+    messages. `refused`: number of messages without a good signature. Times are s since the station
+    began. `kind`: its heartbeat's MAV_TYPE. `meanwhile` is called at least 20 times a second while
+    it listens.
     """
 
     def __init__(
@@ -68,6 +76,7 @@ class Station:
     ) -> None:
         self.system = system
         self.fleet = Fleet(length_m=1.0)
+        self.shown: dict[int, Shown] = {}
         self.parameters: dict[tuple[int, str], float] = {}
         self.acks: list[Ack] = []
         self.texts: list[Text] = []
@@ -228,12 +237,15 @@ class Station:
                 self.texts = [*self.texts[-_MOST_KEPT:], Text(now_s, system, said.last)]
 
     def _look_at_heartbeat(self, system: int, component: int, fields: tuple[Any, ...]) -> None:
-        """Record the component that sends a boat's heartbeat: its autopilot, or a companion."""
+        """Record the state, and the component that sends it: a boat's autopilot, or a companion."""
+        vessel = self.fleet.systems[system]
+        if vessel.kind is not None:
+            self.shown[system] = Shown(vessel.beat_s, vessel.shown)
         mode, kind, autopilot = fields[:3]
         is_none = autopilot == mavlink.MAV_AUTOPILOT_INVALID
         if kind == mavlink.MAV_TYPE_SURFACE_BOAT and not is_none:
             self._surface_boats.add(system)
-        is_boat = self.fleet.systems[system].kind == "boat" and mode in _MODES
+        is_boat = vessel.kind == "boat" and mode in _MODES
         if is_boat and (component == _COMPANION or not is_none):
             self._autopilots.setdefault(system, set()).add(component)
 

@@ -38,6 +38,7 @@ class Vessel:
         self.heard_s = self.beat_s = 0.0
         self.kind: str | None = None
         self.state: str | None = None
+        self.shown: str | None = None  # the same, if it were a boat
         self.texts = Texts()
         self.motion = Motion()
         self.aboard = Aboard()
@@ -108,8 +109,8 @@ class Vessel:
             ours = ours and kind == mavlink.MAV_TYPE_SURFACE_BOAT
             self.kind = "boat" if ours else "vessel"
         self.beat_s = now_s
-        is_boat = self.kind == "boat"
-        self.state = state_of(custom_mode, base_mode, status) if is_boat else None
+        self.shown = state_of(custom_mode, base_mode, status)
+        self.state = self.shown if self.kind == "boat" else None
 
     def _look_at_clock(self, boot_ms: int) -> None:
         """Drop all values from before a restart of the vessel."""

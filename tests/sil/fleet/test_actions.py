@@ -3,6 +3,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from itertools import combinations, permutations
 from pathlib import Path
 from typing import Any
@@ -11,16 +12,16 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from sil.fleet.ends import Peer
+from sil.fleet.ends import End, Peer
 from sil.fleet.orders import carry_out, long, stop
-from sil.fleet.station import Ack
+from sil.fleet.station import COMPONENT, Ack
 from sil.fleet.tables import assigned, shape_places
 from sil.scenario.formation import Formation, slots
 from sil.wire.heartbeat import HOLD
 from sil.wire.mavlink_ear import Ear
 from sil.wire.mavlink_messages import FLEET_TABLE
 from sil.wire.operator import Operator, mode_request
-from tests.sil.fleet.waters import BOATS, Air, Waters
+from tests.sil.fleet.waters import BOATS, Air, Waters, heard
 
 
 @pytest.fixture
@@ -202,6 +203,54 @@ def test_a_boat_that_does_not_answer_the_stop_is_named(waters: Waters) -> None:
     assert [waters.state(boat) for boat in (1, 3, 4)] == ["DISARMED"] * 3
 
 
+@pytest.mark.parametrize(
+    ("action", "command", "state"),
+    [("stop", 400, "DISARMED"), ("disarm", 400, "DISARMED"), ("hold", 176, "HOLD")],
+)
+def test_a_late_answer_to_an_earlier_order_ends_no_stop(
+    waters: Waters, action: str, command: int, state: str
+) -> None:
+    """Boat 2 answers ARM, or another mode, when the stop has gone out, which it misses for 2 s."""
+    answer = mavlink.MAVLink_command_ack_message(command, 0, 0, 0, 255, COMPONENT)
+    late, send = answer.pack(mavlink.MAVLink(None, 2, 1)), Air.send
+    sent_s: list[float] = []
+
+    def lossy(air: Air, frame: bytes, peer: Peer) -> None:
+        (told,) = mavlink.MAVLink(None).parse_buffer(frame)
+        if getattr(told, "command", None) == command and told.target_system == 2:
+            sent_s.append(waters.now_s())
+            if len(sent_s) == 1:
+                heard(waters, late)
+            if sent_s[-1] - sent_s[0] < 2.0:
+                return
+        send(air, frame, peer)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Air, "send", lossy)
+        status, words = waters.command(action=action)
+    assert waters.states == [state] * 4
+    assert status == 0 and words.startswith("4 of 4 ")
+
+
+def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
+    sail(waters, 1.0)
+    answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
+    said = beat_of(9, 1, 11, 0, 137) + answer.pack(mavlink.MAVLink(None, 9, 1))
+    wait = waters.wait
+
+    def answered(ends: Sequence[End], for_s: float) -> Sequence[End]:
+        told = wait(ends, for_s)
+        heard(waters, said)
+        return told
+
+    waters.wait = answered  # type: ignore[method-assign]
+    status, words = waters.command(action="stop")
+    assert status == 1 and words.splitlines() == [
+        "4 of 5 stopped and disarmed",
+        "boat 9: it answers, but no HEARTBEAT shows that it has obeyed",
+    ]
+
+
 def test_a_stop_reaches_a_boat_that_the_operators_radio_does_not(waters: Waters) -> None:
     """By the fleet's table, which members hand on."""
     waters.command(action="form", shape="vee", spacing_m=4.0)
@@ -308,9 +357,9 @@ def test_nobody_there_is_told(waters: Waters) -> None:
         assert status == 1 and words.startswith("no boat is heard")
 
 
-def beat_of(system: int, component: int, kind: int) -> bytes:
+def beat_of(system: int, component: int, kind: int, autopilot: int = 8, base: int = 0) -> bytes:
     sender = mavlink.MAVLink(None, system, component)
-    frame: bytes = mavlink.MAVLink_heartbeat_message(kind, 8, 0, 0, 4, 3).pack(sender)
+    frame: bytes = mavlink.MAVLink_heartbeat_message(kind, autopilot, base, 0, 4, 3).pack(sender)
     return frame
 
 
