@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rich.console import Console
 
 from sil.fleet import fleet_status
-from sil.fleet.lead import leading_boat, root
+from sil.fleet.lead import leading_boat, listed, root
 from sil.fleet.orders import (
     DISCOVERY_S,
     IS_DISARMED,
@@ -54,7 +54,9 @@ def perform(station: Station, wish: Wish, console: Console) -> int:
     if not boats:
         console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
         return 1
-    return _ACTIONS[wish.action](station, wish, boats, console)
+    status = _ACTIONS[wish.action](station, wish, boats, console)
+    _warn_of_time(station, console)
+    return status
 
 
 def discover(station: Station, wish: Wish) -> list[int]:
@@ -69,11 +71,26 @@ def discover(station: Station, wish: Wish) -> list[int]:
 
 
 def _nobody(station: Station) -> str:
+    if station.late_s:
+        return _of_time(station)
     if station.refused:
         return f"no boat signs with this key: {station.refused} messages refused; check --key"
     others = sorted(station.fleet.systems)
     heard = f"; heard, but not boats: {', '.join(map(str, others))}" if others else ""
     return f"no boat is heard: check the boats' power, the address and the radio{heard}"
+
+
+def _of_time(station: Station) -> str:
+    whose, late_s = listed(sorted(station.late_s)), max(station.late_s.values())
+    return (
+        f"{whose}: signed with this key, but the time differs by {late_s:.0f} s from this "
+        "computer's: set the clock that is wrong (timedatectl)"
+    )
+
+
+def _warn_of_time(station: Station, console: Console) -> None:
+    if station.late_s:
+        console.print(f"[bold yellow]{_of_time(station)}", soft_wrap=True)
 
 
 def _status(station: Station, _: Wish, boats: Sequence[int], console: Console) -> int:
@@ -96,6 +113,7 @@ def _stop(station: Station, wish: Wish, console: Console) -> int:
     for boat in strangers:
         why = f"is heard, but does not say that it runs Flotilla: --boats {boat} stops it"
         console.print(f"[bold red]boat {boat} {why}", soft_wrap=True)
+    _warn_of_time(station, console)
     return 1 if strangers else status
 
 
@@ -188,8 +206,8 @@ def _report(station: Station, answers: Sequence[Answer], done: str, console: Con
         vessel = station.fleet.systems.get(answer.system)
         held = () if vessel is None else vessel.held()
         why = tell(answer, held, answer.system in station.signs)
-        silent = answer.result is None and not station.is_heard(answer.system)
-        if silent and not answer.only_listed:
+        heard = station.is_heard(answer.system) or answer.system in station.late_s
+        if answer.result is None and not heard and not answer.only_listed:
             why += ", and it is not heard"
         console.print(f"[bold red]boat {answer.system}: {why}", soft_wrap=True)
     return 0 if len(good) == len(answers) else 1

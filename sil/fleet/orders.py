@@ -127,7 +127,8 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
 
     Begins when the first boat is heard, and waits 2.5 s for others. If boats report a fleet's
     table, also sends a table that stops all of its members; boats pass it on. It also lists, and
-    orders to stop, the members of every table that boats have passed on.
+    orders to stop, the members of every table that boats have passed on, and boats that sign with
+    the station's key at another time: they obey a stop whatever its age.
     """
     since_s = station.now_s()
     sent = _Sent(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, since_s, IS_DISARMED)
@@ -135,7 +136,7 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
     count = 0
 
     def everyone() -> list[int]:
-        return sorted({*named, *station.boats(), *_listed(station)})
+        return sorted({*named, *station.boats(), *_listed(station), *station.late_s})
 
     def open_ones() -> list[int]:
         return [s for s in everyone() if _result(station, s, sent) != _ACCEPTED]

@@ -5,7 +5,7 @@ Its heartbeat is not of type GCS: boats that stop without a ground station (`FS_
 rely on a command that ends after a few seconds.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -62,9 +62,9 @@ class Station:
     `fleet`: the vessels heard. `shown`: the last state of each, however old. `signs`: system ids of
     those that sign, where the station has no key. `parameters`: by system id and name. `aliases`:
     more system ids of this program, whose messages are ignored; `echoed`: the numbers of such
-    messages. `refused`: number of messages without a good signature. Times are s since the station
-    began. `kind`: its heartbeat's MAV_TYPE. `meanwhile` is called at least 20 times a second while
-    it listens.
+    messages. `refused`: number of messages without a good signature; `late_s`: age of those of
+    boats whose key is good. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
+    `meanwhile` is called at least 20 times a second while it listens.
     """
 
     def __init__(
@@ -82,6 +82,7 @@ class Station:
         self.texts: list[Text] = []
         self.signs: set[int] = set()
         self.refused = 0
+        self.late_s: dict[int, float] = {}
         self.aliases: set[int] = set()
         self.echoed: set[int] = set()
         self.kind: int = mavlink.MAV_TYPE_ONBOARD_CONTROLLER
@@ -201,10 +202,7 @@ class Station:
         if self._signer is None:
             self.signs |= {system for _, system, _, frame in frames(data) if is_signed(frame)}
         else:
-            said = [frame for *_, frame in frames(data)]
-            good = [frame for frame in said if self._signer.verifies(frame)]
-            self.refused += len(said) - len(good)
-            data = b"".join(good)
+            data = b"".join(self._verified(data, self._signer))
         self._tables.hear(data)
         for message in self._ear.hear(data):
             if message.fields is not None and message.system in self.aliases:
@@ -213,6 +211,19 @@ class Station:
                 now_s = self.now_s()
                 self._routes.setdefault(message.system, {})[end, peer] = now_s
                 self._take(message, now_s)
+
+    def _verified(self, data: bytes, signer: Signer) -> Iterator[bytes]:
+        """Yield the frames with a good signature."""
+        for number, system, component, frame in frames(data):
+            if signer.verifies(frame):
+                self.late_s.pop(system, None)
+                yield frame
+                continue
+            self.refused += 1
+            late_s = signer.late_s(frame)
+            is_beat = number == messages.HEARTBEAT and component in _AUTOPILOTS
+            if late_s is not None and is_beat and system != self.system:
+                self.late_s[system] = late_s
 
     def _take(self, message: Message, now_s: float) -> None:
         number, system, component, fields = message

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`flotilla fleet` against the firmware: what an operator says, and what the boats then do."""
 
+import io
 import math
 import re
 from collections.abc import Sequence
@@ -11,17 +12,24 @@ from typing import Any
 import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
+from rich.console import Console
 
+from sil.fleet.actions import Wish, perform
 from sil.fleet.ends import End, Peer
 from sil.fleet.orders import carry_out, long, stop
-from sil.fleet.station import COMPONENT, Ack
+from sil.fleet.station import COMPONENT, Ack, Station
 from sil.fleet.tables import assigned, shape_places
 from sil.scenario.formation import Formation, slots
+from sil.wire import signing
 from sil.wire.heartbeat import HOLD
 from sil.wire.mavlink_ear import Ear
+from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import FLEET_TABLE
 from sil.wire.operator import Operator, mode_request
+from sil.wire.signing import Signer
 from tests.sil.fleet.waters import BOATS, Air, Waters, heard
+
+KEY = bytes(range(32))
 
 
 @pytest.fixture
@@ -289,6 +297,60 @@ def test_a_radio_that_loses_a_third_carries_all_of_it(seed: int) -> None:
     assert waters.command(action="stop", boats=BOATS)[0] == 0
     assert waters.states == ["DISARMED"] * 4
     assert waters.command(action="arm", boats=BOATS)[0] == 0
+    assert waters.states == ["HOLD"] * 4
+
+
+class Signed:
+    """The boats' messages, signed `late_s` ago, and stations with a key."""
+
+    def __init__(self, waters: Waters, late_s: float, patch: pytest.MonkeyPatch) -> None:
+        self.waters = waters
+        now, wait = signing._now, waters.wait
+        signers = {boat: Signer(KEY, 3) for boat in BOATS}
+
+        def sign(peer: Peer, data: bytes) -> bytes:
+            assert peer is not None
+            return b"".join(signers[peer[1]].sign(frame) for *_, frame in frames(data))
+
+        def waited(ends: Sequence[End], for_s: float) -> Sequence[End]:
+            told = wait(ends, for_s)
+            with pytest.MonkeyPatch.context() as then:
+                then.setattr(signing, "_now", lambda: now() - round(late_s * 100_000))
+                for air in waters.airs:
+                    air.heard = [(peer, sign(peer, data)) for peer, data in air.heard]
+            return told
+
+        patch.setattr(waters, "wait", waited)
+
+    def command(self, key: bytes, action: str) -> tuple[int, str]:
+        words, air = io.StringIO(), Air(self.waters)
+        self.waters.airs.append(air)
+        station = Station([air], signer=Signer(key, 70), clock=self.waters)
+        status = perform(station, Wish(action), Console(file=words, width=120, highlight=False))
+        self.waters.airs.pop()
+        return status, words.getvalue()
+
+
+def test_a_stop_reaches_boats_whose_time_differs(
+    waters: Waters, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signed = Signed(waters, 120.0, monkeypatch)
+    clock = "boats 1, 2, 3 and 4: signed with this key, but the time differs by 120 s"
+    status, words = signed.command(KEY, "hold")
+    assert status == 1 and words.startswith(clock) and "timedatectl" in words
+    status, words = signed.command(KEY, "stop")
+    assert status == 1 and words.startswith("0 of 4 stopped and disarmed\nboat 1: no answer\n")
+    assert clock in words
+    assert waters.states == ["DISARMED"] * 4
+
+
+def test_who_signs_with_another_key_is_told_from_who_signs_at_another_time(
+    waters: Waters, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signed = Signed(waters, 0.0, monkeypatch)
+    assert signed.command(KEY, "hold")[0] == 0
+    status, words = signed.command(bytes(32), "stop")
+    assert status == 1 and words.startswith("no boat signs with this key")
     assert waters.states == ["HOLD"] * 4
 
 
