@@ -21,6 +21,7 @@ from sil.fleet.station import COMPONENT, Ack, Station
 from sil.fleet.tables import assigned, shape_places
 from sil.scenario.formation import Formation, slots
 from sil.wire import signing
+from sil.wire.fleet_table import Beacon, beacon_of
 from sil.wire.heartbeat import HOLD
 from sil.wire.mavlink_ear import Ear
 from sil.wire.mavlink_frames import frames
@@ -375,6 +376,19 @@ def test_of_two_operators_the_newer_table_holds(waters: Waters) -> None:
         system=254, action="form", shape="column", spacing_m=4.0, boats=BOATS
     )
     assert status == 0 and words.startswith("table 2 ")
+
+
+def test_a_table_is_in_force_only_with_boats_that_follow_its_leader(waters: Waters) -> None:
+    def beacon(fields: tuple[int, ...]) -> Beacon:
+        told = beacon_of(fields)
+        return told._replace(follows=1) if told.follows == 2 else told
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sil.fleet.station.beacon_of", beacon)
+        wish: dict[str, Any] = {"shape": "vee", "spacing_m": 4.0, "boats": (2, 1, 3, 4)}
+        status, words = waters.command(action="form", **wish)
+    assert status == 1 and words.startswith("table 1 is in force with 1 of 4 boats")
+    assert "boat 3: does not report that it follows boat 2" in words
 
 
 def test_acknowledgements_of_another_operators_orders_do_not_count(waters: Waters) -> None:
