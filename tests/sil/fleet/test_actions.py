@@ -241,23 +241,35 @@ def test_a_late_answer_to_an_earlier_order_ends_no_stop(
     assert status == 0 and words.startswith("4 of 4 ")
 
 
-def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
-    sail(waters, 1.0)
-    answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
-    said = beat_of(9, 1, 11, 0, 137) + answer.pack(mavlink.MAVLink(None, 9, 1))
+def keep_saying(waters: Waters, said: bytes) -> None:
+    """A stranger's messages, at all times."""
     wait = waters.wait
 
-    def answered(ends: Sequence[End], for_s: float) -> Sequence[End]:
+    def heard_too(ends: Sequence[End], for_s: float) -> Sequence[End]:
         told = wait(ends, for_s)
         heard(waters, said)
         return told
 
-    waters.wait = answered  # type: ignore[method-assign]
+    waters.wait = heard_too
+
+
+def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
+    answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
+    keep_saying(waters, beat_of(9, 1, 11, 0, 137) + answer.pack(mavlink.MAVLink(None, 9, 1)))
     status, words = waters.command(action="stop")
     assert status == 1 and words.splitlines() == [
         "4 of 5 stopped and disarmed",
         "boat 9: it answers, but no HEARTBEAT shows that it has obeyed",
     ]
+
+
+def test_a_text_is_printed_as_it_is_but_commands_no_terminal(waters: Waters) -> None:
+    boat = mavlink.MAVLink(None, 9, 1)
+    text = mavlink.MAVLink_statustext_message(4, b"PreArm: [/dev/i2c-1] :x:\x1b[2J\r")
+    refusal = mavlink.MAVLink_command_ack_message(400, 1, 0, 0, 255, COMPONENT)
+    keep_saying(waters, beat_of(9, 1, 11, 0) + text.pack(boat) + refusal.pack(boat))
+    _, words = waters.command(action="arm")
+    assert words.splitlines()[-1] == "boat 9: refused: [/dev/i2c-1] :x:[2J"
 
 
 def test_a_stop_reaches_a_boat_that_the_operators_radio_does_not(waters: Waters) -> None:
