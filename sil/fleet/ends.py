@@ -8,7 +8,6 @@ boat or a router listens at this address. `tcp:HOST:PORT`: a server. `/dev/…[:
 import os
 import select
 import socket
-import termios
 import time
 from collections.abc import Sequence
 from contextlib import suppress
@@ -189,5 +188,5 @@ def end_at(address: str, option: str = "--mavlink") -> End:
         raise ValueError("must be udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or /dev/…")
     except ValueError as error:
         raise ValueError(f'{option} "{address}": {error}') from None
-    except (OSError, termios.error) as error:
+    except OSError as error:
         raise OSError(f"{address}: {alarm.of_error(error)}") from None

@@ -8,7 +8,6 @@
 import asyncio
 import os
 import socket
-import termios
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
@@ -52,7 +51,7 @@ class Listener:
                 else:
                     await self._hear_line(take)
                     self.trouble = "the device is gone; check its cable"
-            except (OSError, termios.error) as error:
+            except OSError as error:
                 self.trouble = alarm.of_error(error)
             self.ear.forget()
             await asyncio.sleep(_RETRY_S)
