@@ -112,7 +112,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     wish = _wish(options)
     from rich.console import Console
 
-    from sil.fleet.actions import perform
+    from sil.fleet.actions import perform, show
     from sil.fleet.ends import end_at
     from sil.fleet.station import LINK, Station
     from sil.wire.signing import Signer, read_key
@@ -128,6 +128,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         raise
     console = Console(highlight=False)
     with closing(Station(ends, options.station, signer)) as station:
+        station.told = partial(show, console)
         if wish.action == "serve":
             return _serve(station, options, console)
         return perform(station, wish, console)

@@ -9,6 +9,7 @@ armed as long as any boat is armed, or was when it fell silent.
 import io
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from math import cos, degrees, sin
 from typing import NamedTuple
 
@@ -107,6 +108,7 @@ class FleetVehicle:
         self._has_warned = False
         station.aliases.add(system)
         station.meanwhile = self._attend
+        station.told = partial(self._text, warns=True)
 
     def serve(self, for_s: float) -> None:
         """Act as this vehicle for `for_s` seconds.

@@ -5,7 +5,9 @@ Its heartbeat is not of type GCS: boats that stop without a ground station (`FS_
 rely on a command that ends after a few seconds.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -23,7 +25,7 @@ from sil.wire.signing import Signer, is_signed, numbered
 SYSTEM, COMPONENT, LINK = 255, mavlink.MAV_COMP_ID_USER1, 70
 STALE_S = 5.0
 
-_BEAT_S, _SLICE_S = 1.0, 0.05
+_BEAT_S, _SLICE_S, _AGAIN_S = 1.0, 0.05, 1.0
 _ROUTE_S = 10.0
 _ASK_S = 0.3
 _COMPANION: int = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
@@ -64,7 +66,7 @@ class Station:
     more system ids of this program, whose messages are ignored; `echoed`: the numbers of such
     messages. `refused`: number of messages without a good signature; `late_s`: age of those of
     boats whose key is good. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
-    `meanwhile` is called at least 20 times a second while it listens.
+    `meanwhile` is called at least 20 times a second while it listens, `told` about lost links.
     """
 
     def __init__(
@@ -87,7 +89,9 @@ class Station:
         self.echoed: set[int] = set()
         self.kind: int = mavlink.MAV_TYPE_ONBOARD_CONTROLLER
         self.meanwhile: Callable[[], None] = lambda: None
+        self.told: Callable[[str], None] = lambda _: None
         self._ends = list(ends)
+        self._lost: dict[End, float] = {}  # until heard again; when to open it next
         self._signer = signer
         self._ear = Ear(stream=False)
         self._mav = mavlink.MAVLink(None, system, COMPONENT)
@@ -179,24 +183,41 @@ class Station:
             self._beat_s = self.now_s() + _BEAT_S
             none, state = mavlink.MAV_AUTOPILOT_INVALID, mavlink.MAV_STATE_ACTIVE
             self.say(mavlink.MAVLink_heartbeat_message(self.kind, none, 0, 0, state, 3))
+        self._open_again()
         for end in self._clock.wait(self._ends, wait_s):
             try:
                 heard = end.receive()
             except OSError:
-                self._drop(end)
+                self._lose(end)
                 continue
+            if heard and self._lost.pop(end, None) is not None:
+                self.told(f"{end.address}: connected again")
             for peer, data in heard:
                 self._hear(end, peer, data)
         self.meanwhile()
 
-    def _drop(self, end: End) -> None:
+    def _lose(self, end: End) -> None:
+        """Close an end, to open it again each second; OSError if no other one is left."""
         self._ends.remove(end)
         end.close()
         for known in self._routes.values():
             for route in [route for route in known if route[0] is end]:
                 del known[route]
-        if not self._ends:
-            raise OSError(f"{end.address}: the other side has ended the connection")
+        ended = f"{end.address}: the other side has ended the connection"
+        if end not in self._lost:
+            self.told(f"{ended}; trying again")
+        self._lost[end] = self.now_s() + _AGAIN_S
+        if self._lost.keys() >= {*self._ends}:
+            raise OSError(ended)
+
+    def _open_again(self) -> None:
+        for end, at_s in self._lost.items():
+            if self.now_s() >= at_s:
+                self._lost[end] = self.now_s() + _AGAIN_S
+                with suppress(OSError):
+                    end.reopen()
+                    self._ends.append(end)
+                    self._lost[end] = math.inf
 
     def _hear(self, end: End, peer: Peer, data: bytes) -> None:
         if self._signer is None:

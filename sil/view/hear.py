@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 
 from sil.view import alarm
-from sil.wire import mavlink_mcast
+from sil.wire import mavlink_mcast, tcp
 from sil.wire.mavlink_ear import Ear, Message
 from sil.wire.serial_line import line_of, open_line
 
@@ -73,6 +73,7 @@ class Listener:
     async def _hear_server(self, take: Take) -> None:
         host, port = mavlink_mcast.host_and_port(self.address.removeprefix("tcp:"))
         reader, writer = await asyncio.open_connection(host, port)
+        tcp.notice_loss(writer.get_extra_info("socket"))
         self.trouble = None
         try:
             while data := await reader.read(_MOST_BYTES):

@@ -9,6 +9,7 @@ import tty
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 from pymavlink import mavutil
 
@@ -108,6 +109,29 @@ def test_a_server_is_heard_tried_again_and_told_nothing() -> None:
         return told
 
     assert set(asyncio.run(run())) == {b""}
+
+
+def test_a_server_that_vanishes_without_a_word_is_noticed() -> None:
+    port = free_port()
+    writers: list[asyncio.StreamWriter] = []
+
+    def say() -> None:
+        """Say something as soon as the listener's connection probes whether the server is there."""
+        for end in psutil.Process().net_connections("tcp4"):
+            if end.raddr and end.raddr.port == port:
+                with socket.socket(fileno=os.dup(end.fd)) as connection:
+                    if connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE):
+                        writers[0].write(said(1, BEAT))
+
+    async def run() -> None:
+        def serve(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            writers.append(writer)
+
+        async with await asyncio.start_server(serve, LOOPBACK, port):
+            await heard(Listener(f"tcp:{LOOPBACK}:{port}"), say, {1})
+            writers[0].close()
+
+    asyncio.run(run())
 
 
 def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
