@@ -15,7 +15,7 @@ from typing import Any
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.doctor.boat_file import Link
-from sil.wire.mavlink_mcast import host_and_port
+from sil.wire.mavlink_mcast import udp_place
 from sil.wire.serial_line import open_line
 
 #: The doctor's ids on the radio: a ground station's system id, but it sends no station's heartbeat.
@@ -86,7 +86,7 @@ class Post:
         if link.scheme == "serial":
             self._end = _open_line(device, link.rest.rpartition(":")[2])
             return
-        at = host_and_port(link.rest if ":" in link.rest else f"127.0.0.1:{link.rest}")
+        at = udp_place(link.rest if ":" in link.rest else f"127.0.0.1:{link.rest}")
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             if link.scheme == "udpin" and not ask:

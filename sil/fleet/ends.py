@@ -17,7 +17,7 @@ from typing import Protocol
 from sil.live.tcp_door import split
 from sil.view import alarm
 from sil.wire import tcp
-from sil.wire.mavlink_mcast import host_and_port
+from sil.wire.mavlink_mcast import host_and_port, udp_place
 from sil.wire.serial_line import line_of, open_line
 
 Peer = tuple[str, int] | None
@@ -204,9 +204,9 @@ def end_at(address: str, option: str = "--mavlink") -> End:
     scheme, _, rest = address.partition(":")
     try:
         if scheme == "udpin":
-            return UdpIn(address, host_and_port(rest))
+            return UdpIn(address, udp_place(rest))
         if scheme == "udpout":
-            return UdpOut(address, host_and_port(rest))
+            return UdpOut(address, udp_place(rest))
         if scheme == "tcp":
             return _connected(address, host_and_port(rest))
         if address.startswith("/dev/"):

@@ -118,7 +118,7 @@ def _socket_of(address: str) -> socket.socket | None:
         except OSError as error:
             raise OSError(f"{address}: {alarm.of_error(error)}") from None
     if scheme == "udpin":
-        at = mavlink_mcast.host_and_port(rest)
+        at = mavlink_mcast.udp_place(rest)
         end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             end.bind(at)

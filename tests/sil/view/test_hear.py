@@ -4,6 +4,7 @@
 import asyncio
 import os
 import pty
+import re
 import socket
 import tty
 from collections.abc import Callable
@@ -162,6 +163,7 @@ def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
         "udpin:127.0.0.1",
         "udpin:127.0.0.1:0",
         "udpin:127.0.0.1:65536",
+        "udpin:[::1]:14550",
         "tcp:x",
         "mcast:1",
         "mcast:127.0.0.1:14550",
@@ -171,7 +173,7 @@ def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
     ],
 )
 def test_an_invalid_address_is_told(address: str) -> None:
-    with pytest.raises(ValueError, match=f'^"{address}": '):
+    with pytest.raises(ValueError, match=f'^"{re.escape(address)}": '):
         Listener(address)
 
 
