@@ -14,14 +14,17 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
+from sil.doctor import boat_file
 from sil.doctor.boat_file import saved
 from sil.doctor.checkup import examine, verdict
+from sil.doctor.collection import collect
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Level
 from sil.doctor.machine_checks import machine
 from sil.live.live_world import FLOTILLAD
 from sil.live.ordinary_user import ordinary_user
 from tests.sil.doctor.patient import BUS, CONFIG, KEY, SYSTEM, Patient, Speaker
+from tests.sil.full_disk import full_disk
 
 KEY_FILE = "/etc/flotilla/signing.key"
 PARAMETERS = "/var/lib/flotilla/parameters.txt"
@@ -315,6 +318,28 @@ def test_what_is_collected_has_logs_and_findings_and_no_key(patient: Patient) ->
     assert json.loads(held["doctor.json"])["ready"] is True
     for data in held.values():
         assert KEY not in data and KEY.hex().encode() not in data.lower()
+
+
+@pytest.mark.parametrize("broken", ["a full disk", "Ctrl-C"])
+def test_a_collection_that_is_cut_short_leaves_no_file(
+    patient: Patient, broken: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    patient.put("/var/log/flotilla/mavlink0-00001.tlog", os.urandom(100_000))
+    out, computer = patient.root / "reports" / "report.tar.gz", Computer(patient.root)
+    out.parent.mkdir()
+    (boat, _) = boat_file.read(computer, CONFIG)
+    if broken == "Ctrl-C":
+        monkeypatch.setattr(tarfile.TarFile, "addfile", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            collect(computer, CONFIG, boat, [], out)
+    else:
+        with full_disk(), pytest.raises(OSError, match=str(out)):
+            collect(computer, CONFIG, boat, [], out)
+    assert list(out.parent.iterdir()) == []
+
+
+def interrupted(*_: object) -> None:
+    raise KeyboardInterrupt
 
 
 def test_who_may_not_look_is_told_to_use_sudo_and_nobody_is_blamed() -> None:
