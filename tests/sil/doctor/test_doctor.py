@@ -9,10 +9,14 @@ import subprocess
 import sys
 import tarfile
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import flotilla
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.doctor import boat_file
 from sil.doctor.boat_file import saved
@@ -340,6 +344,45 @@ def test_a_collection_that_is_cut_short_leaves_no_file(
 
 def interrupted(*_: object) -> None:
     raise KeyboardInterrupt
+
+
+CONDITIONS = flotilla.supervisor_conditions()
+
+
+@pytest.mark.parametrize(
+    ("unmet", "level"),
+    [("escs_online", BAD), ("parameters_saved", BAD), ("own_fresh", DOUBT), ("", DOUBT)],
+)
+def test_what_keeps_a_boat_from_arming_is_wrong_and_the_rest_is_to_look_at(
+    patient: Patient, unmet: str, level: Level
+) -> None:
+    """Asks a boat that sends COND and COND2, or COND2 alone."""
+    boat = mavlink.MAVLink(None, SYSTEM, 1)
+    beat = mavlink.MAVLink_heartbeat_message(11, 0, 1, 4, 3, 3)
+    met = sum(1 << c["bit"] for c in CONDITIONS if c["name"] != unmet)
+    halves = {b"COND": met % (1 << 24), b"COND2": met >> 24}
+    if not unmet:
+        del halves[b"COND"]
+    words = [
+        mavlink.MAVLink_named_value_float_message(0, name, float(half))
+        for name, half in halves.items()
+    ]
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end,
+        ThreadPoolExecutor(1) as pool,
+    ):
+        end.bind(("127.0.0.1", patient.port))
+        end.settimeout(0.05)
+        future = pool.submit(lambda: list(examine(Computer(patient.root), CONFIG, 0.1)))
+        while not future.done():
+            with suppress(TimeoutError):
+                _, doctor = end.recvfrom(4096)
+                for message in (beat, *words):
+                    end.sendto(message.pack(boat), doctor)
+        found = [f for f in future.result() if f.where == "boat"]
+    complaints = [c["complaint"] for c in CONDITIONS if c["name"] == unmet]
+    what = complaints or ["its conditions are not heard in 2.5 s"]
+    assert [(f.level, f.what) for f in found] == [(level, what[0])]
 
 
 def test_who_may_not_look_is_told_to_use_sudo_and_nobody_is_blamed() -> None:
