@@ -22,6 +22,7 @@ import argparse
 import difflib
 from collections.abc import Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -111,7 +112,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     wish = _wish(options)
     from rich.console import Console
 
-    from sil.fleet.actions import perform
+    from sil.fleet.actions import perform, show
     from sil.fleet.ends import end_at
     from sil.fleet.station import LINK, Station
     from sil.wire.signing import Signer, read_key
@@ -127,20 +128,23 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         raise
     console = Console(highlight=False)
     with closing(Station(ends, options.station, signer)) as station:
+        station.told = partial(show, console)
         if wish.action == "serve":
             return _serve(station, options, console)
         return perform(station, wish, console)
 
 
 def _serve(station: "Station", options: argparse.Namespace, console: "Console") -> int:
+    from sil.fleet.actions import show
     from sil.fleet.ends import end_at
     from sil.fleet.fleet_vehicle import LINK, FleetVehicle
     from sil.wire.signing import Signer, read_key
 
     signer = None if options.key is None else Signer(read_key(options.key), LINK)
     with closing(end_at(options.ground, "--ground")) as end:
-        vehicle = FleetVehicle(station, end, options.vehicle, signer, console.print)
-        console.print(f"the fleet is vehicle {options.vehicle} at {options.ground}; Ctrl-C ends it")
+        tell = partial(show, console)
+        vehicle = FleetVehicle(station, end, options.vehicle, signer, tell)
+        tell(f"the fleet is vehicle {options.vehicle} at {options.ground}; Ctrl-C ends it")
         while True:
             vehicle.serve(for_s=3600.0)
 

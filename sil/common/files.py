@@ -23,13 +23,18 @@ def replace(path: Path, content: bytes) -> None:
         file.write(content)
 
 
+def is_replaced(path: Path) -> bool:
+    """Whether `whole` replaces `path`; it writes to a device, pipe or link."""
+    return not path.is_symlink() and (path.is_file() or not path.exists())
+
+
 @contextmanager
 def whole(path: Path) -> Iterator[BinaryIO]:
     """A file to write, which becomes `path` at the end, or is removed after an error.
 
     A device, pipe or link is written to, not replaced. OSError names `path`.
     """
-    replaces = not path.is_symlink() and (path.is_file() or not path.exists())
+    replaces = is_replaced(path)
     part = path.with_name(f".{path.name}.part") if replaces else path
     try:
         with naming(path):

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from sil.common import files
 from sil.doctor.boat_file import Boat
 from sil.doctor.checkup import as_json
 from sil.doctor.computer import Computer
@@ -35,10 +36,10 @@ _COMMANDS = {
 def collect(
     computer: Computer, config: str, boat: Boat | None, findings: Sequence[Finding], out: Path
 ) -> list[str]:
-    """Write the archive; return the names in it. OSError if it cannot be written."""
+    """Write the whole archive or none; return the names in it. OSError if it cannot be written."""
     secret = _secret(computer, boat)
     names = []
-    with tarfile.open(out, "w:gz") as archive:
+    with files.whole(out) as file, tarfile.open(out, "w:gz", fileobj=file) as archive:
         for name, data in _contents(computer, config, boat, findings):
             if any(one and one in data for one in secret):
                 continue

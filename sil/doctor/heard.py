@@ -6,7 +6,6 @@ import select
 import socket
 import termios
 import time
-import tty
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +15,8 @@ from typing import Any
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.doctor.boat_file import Link
-from sil.wire.mavlink_mcast import host_and_port
+from sil.wire.mavlink_mcast import udp_place
+from sil.wire.serial_line import open_line
 
 #: The doctor's ids on the radio: a ground station's system id, but it sends no station's heartbeat.
 SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER4
@@ -86,7 +86,7 @@ class Post:
         if link.scheme == "serial":
             self._end = _open_line(device, link.rest.rpartition(":")[2])
             return
-        at = host_and_port(link.rest if ":" in link.rest else f"127.0.0.1:{link.rest}")
+        at = udp_place(link.rest if ":" in link.rest else f"127.0.0.1:{link.rest}")
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             if link.scheme == "udpin" and not ask:
@@ -165,13 +165,4 @@ def _open_line(device: Path, baud: str) -> int:
     speed = getattr(termios, f"B{baud}", None)
     if speed is None:
         raise ValueError(f"{baud} is not a baud rate of a serial line")
-    line = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    try:
-        tty.setraw(line)
-        settings = termios.tcgetattr(line)
-        settings[4] = settings[5] = speed
-        termios.tcsetattr(line, termios.TCSANOW, settings)
-    except termios.error as error:
-        os.close(line)
-        raise OSError(*error.args) from None
-    return line
+    return open_line(device, speed, os.O_RDWR)

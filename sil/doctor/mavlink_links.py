@@ -13,7 +13,7 @@ from sil.doctor.finding import Finding, bad, doubt, ok
 from sil.doctor.heard import Post, listen
 from sil.doctor.link_judge import judge_links, judge_senders, latency
 from sil.view import alarm
-from sil.view.states import held_by
+from sil.view.states import held_by, keep_from_arming
 from sil.wire.heartbeat import state_of
 
 
@@ -115,9 +115,9 @@ def _key(computer: Computer, boat: Boat) -> bytes | None:
 
 def _ask(boat: Boat, link: Link, seconds: float, key: bytes | None) -> Iterator[Finding]:
     """Send requests to the flotillad that owns the links."""
-    post = Post(link, ask=True)
+    post, listen_s = Post(link, ask=True), max(seconds, 2.5)
     try:
-        listen([post], max(seconds, 2.5), key if link.signing != "off" else None)
+        listen([post], listen_s, key if link.signing != "off" else None)
     finally:
         post.close()
     heard = post.heard
@@ -136,8 +136,13 @@ def _ask(boat: Boat, link: Link, seconds: float, key: bytes | None) -> Iterator[
     for sender in heard.round_trips_s:
         if sender[0] == boat.system:
             yield latency(link.address, "flotillad", heard.latency_s(sender) or 0.0)
-    low = heard.last.get((boat.system, "COND"))
-    if low is not None:
-        bits = int(low) | int(heard.last.get((boat.system, "COND2"), 0)) << 24
-        for complaint in held_by(bits, state):
-            yield doubt("boat", complaint, "firmware/docs/SUPERVISOR.md explains each condition")
+    low, high = (heard.last.get((boat.system, name)) for name in ("COND", "COND2"))
+    if low is None or high is None:
+        what = f"its conditions are not heard in {listen_s:g} s"
+        yield doubt("boat", what, "give it more time: --seconds 20")
+        return
+    bits = int(low) | int(high) << 24
+    serious = keep_from_arming(bits)
+    for complaint in held_by(bits, state):
+        level = bad if complaint in serious else doubt
+        yield level("boat", complaint, "firmware/docs/SUPERVISOR.md explains each condition")

@@ -8,8 +8,19 @@ from typing import NamedTuple
 from rich.console import Console
 
 from sil.fleet import fleet_status
-from sil.fleet.lead import leading_boat, root
-from sil.fleet.orders import DISCOVERY_S, Answer, Order, carry_out, go_to, long, stop, tell
+from sil.fleet.lead import leading_boat, listed, root
+from sil.fleet.orders import (
+    DISCOVERY_S,
+    IS_DISARMED,
+    RESTS,
+    Answer,
+    Order,
+    carry_out,
+    go_to,
+    long,
+    stop,
+    tell,
+)
 from sil.fleet.shape_change import change
 from sil.fleet.station import STALE_S, Station
 from sil.fleet.tables import told_epochs, warnings_of
@@ -41,9 +52,16 @@ def perform(station: Station, wish: Wish, console: Console) -> int:
         return _stop(station, wish, console)
     boats = discover(station, wish)
     if not boats:
-        console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
+        show(console, _nobody(station), "bold red")
         return 1
-    return _ACTIONS[wish.action](station, wish, boats, console)
+    status = _ACTIONS[wish.action](station, wish, boats, console)
+    _warn_of_time(station, console)
+    return status
+
+
+def show(console: Console, words: str, style: str = "") -> None:
+    """Print a line as it is: a boat's text may contain what rich takes for its markup."""
+    console.print(words, style=style, markup=False, emoji=False, soft_wrap=True)
 
 
 def discover(station: Station, wish: Wish) -> list[int]:
@@ -58,6 +76,8 @@ def discover(station: Station, wish: Wish) -> list[int]:
 
 
 def _nobody(station: Station) -> str:
+    if station.late_s:
+        return _of_time(station)
     if station.refused:
         return f"no boat signs with this key: {station.refused} messages refused; check --key"
     others = sorted(station.fleet.systems)
@@ -65,27 +85,46 @@ def _nobody(station: Station) -> str:
     return f"no boat is heard: check the boats' power, the address and the radio{heard}"
 
 
+def _of_time(station: Station) -> str:
+    whose, late_s = listed(sorted(station.late_s)), max(station.late_s.values())
+    return (
+        f"{whose}: signed with this key, but the time differs by {late_s:.0f} s from this "
+        "computer's: set the clock that is wrong (timedatectl)"
+    )
+
+
+def _warn_of_time(station: Station, console: Console) -> None:
+    if station.late_s:
+        show(console, _of_time(station), "bold yellow")
+
+
 def _status(station: Station, _: Wish, boats: Sequence[int], console: Console) -> int:
     words, rows, complete = fleet_status.of_station(station, boats)
-    console.print(f"[bold]{words}", soft_wrap=True)
+    show(console, words, "bold")
     console.print(rows)
     return 0 if complete else 1
 
 
 def _stop(station: Station, wish: Wish, console: Console) -> int:
     answers = stop(station, wish.boats)
-    if not answers:
-        console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
+    asked = [answer.system for answer in answers]
+    strangers = [boat for boat in station.strangers() if boat not in asked]
+    if not answers and not strangers:
+        show(console, _nobody(station), "bold red")
         return 1
-    told = told_epochs(station, [answer.system for answer in answers])
-    for warning in warnings_of(told):
-        console.print(f"[bold yellow]{warning}", soft_wrap=True)
-    return _report(station, answers, "stopped and disarmed", console)
+    for warning in warnings_of(told_epochs(station, asked)):
+        show(console, warning, "bold yellow")
+    status = _report(station, answers, "stopped and disarmed", console)
+    for boat in strangers:
+        why = f"is heard, but does not say that it runs Flotilla: --boats {boat} stops it"
+        show(console, f"boat {boat} {why}", "bold red")
+    _warn_of_time(station, console)
+    return 1 if strangers else status
 
 
-def _to_all(order: Order, done: str) -> Callable[..., int]:
+def _to_all(order: Order, done: str, states: Sequence[str] = ()) -> Callable[..., int]:
     def act(station: Station, _: Wish, boats: Sequence[int], console: Console) -> int:
-        return _report(station, carry_out(station, order, boats), done, console)
+        return _report(station, carry_out(station, order, boats, states), done, console)
 
     return act
 
@@ -103,7 +142,7 @@ def _lead(station: Station, wish: Wish, order: Order, done: str, console: Consol
     boat = wish.boats[0] if wish.boats else leading_boat(station)
     status = _report(station, carry_out(station, order, [boat]), done, console)
     if status == 0:
-        console.print(f"boat {boat} leads; the others follow it and received no command")
+        show(console, f"boat {boat} leads; the others follow it and received no command")
     return status
 
 
@@ -113,7 +152,7 @@ def _follow(station: Station, wish: Wish, boats: Sequence[int], console: Console
     answers = carry_out(station, long(mode_request(FORMATION)), followers)
     vessel = None if top is None else station.fleet.systems.get(top)
     if vessel is not None and vessel.kind == "boat" and vessel.state not in fleet_status.LEADING:
-        console.print(f"boat {top} does not lead yet: start it with auto, go or loiter")
+        show(console, f"boat {top} does not lead yet: start it with auto, go or loiter")
     return _report(station, answers, "in FORMATION", console)
 
 
@@ -141,13 +180,13 @@ def place_of(station: Station, boat: int, way_m: tuple[float, float]) -> tuple[f
 
 def _form(station: Station, wish: Wish, boats: Sequence[int], console: Console) -> int:
     made = change(station, boats, wish.shape, wish.spacing_m, turning=wish.turning)
-    console.print(f"[bold]{made.words}", soft_wrap=True)
+    show(console, made.words, "bold")
     for boat, (ahead_m, starboard_m) in zip(boats, made.places, strict=False):
-        console.print(f"  boat {boat}: {_place(ahead_m, starboard_m, turning=wish.turning)}")
+        show(console, f"  boat {boat}: {_place(ahead_m, starboard_m, turning=wish.turning)}")
     for warning in made.warnings:
-        console.print(f"[bold yellow]{warning}", soft_wrap=True)
+        show(console, warning, "bold yellow")
     for boat, why in made.missing.items():
-        console.print(f"[bold red]boat {boat}: {why}", soft_wrap=True)
+        show(console, f"boat {boat}: {why}", "bold red")
     return 1 if made.missing else 0
 
 
@@ -162,20 +201,20 @@ def _place(ahead_m: float, starboard_m: float, *, turning: bool) -> str:
 
 def _report(station: Station, answers: Sequence[Answer], done: str, console: Console) -> int:
     good = [answer for answer in answers if answer.accepted]
-    console.print(f"[bold]{len(good)} of {len(answers)} {done}", soft_wrap=True)
+    show(console, f"{len(good)} of {len(answers)} {done}", "bold")
     for answer in answers:
         if answer.accepted:
             for text in answer.said:
                 if ", no FORMATION: " in text:
-                    console.print(f"  boat {answer.system}: {text}", soft_wrap=True)
+                    show(console, f"  boat {answer.system}: {text}")
             continue
         vessel = station.fleet.systems.get(answer.system)
         held = () if vessel is None else vessel.held()
         why = tell(answer, held, answer.system in station.signs)
-        silent = answer.result is None and not station.is_heard(answer.system)
-        if silent and not answer.only_listed:
+        heard = station.is_heard(answer.system) or answer.system in station.late_s
+        if answer.result is None and not heard and not answer.only_listed:
             why += ", and it is not heard"
-        console.print(f"[bold red]boat {answer.system}: {why}", soft_wrap=True)
+        show(console, f"boat {answer.system}: {why}", "bold red")
     return 0 if len(good) == len(answers) else 1
 
 
@@ -188,8 +227,8 @@ def is_on_globe(latitude: float, longitude: float) -> bool:
 _ACTIONS: dict[str, Callable[[Station, Wish, Sequence[int], Console], int]] = {
     "status": _status,
     "arm": _to_all(long(ARM), "armed"),
-    "disarm": _to_all(long(DISARM), "disarmed"),
-    "hold": _to_all(long(mode_request(HOLD)), "in HOLD"),
+    "disarm": _to_all(long(DISARM), "disarmed", IS_DISARMED),
+    "hold": _to_all(long(mode_request(HOLD)), "in HOLD", RESTS),
     "form": _form,
     "follow": _follow,
     "go": _go,

@@ -8,15 +8,16 @@ boat or a router listens at this address. `tcp:HOST:PORT`: a server. `/dev/…[:
 import os
 import select
 import socket
-import termios
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Protocol
 
 from sil.live.tcp_door import split
 from sil.view import alarm
-from sil.wire.mavlink_mcast import host_and_port
+from sil.wire import tcp
+from sil.wire.mavlink_mcast import host_and_port, udp_place
 from sil.wire.serial_line import line_of, open_line
 
 Peer = tuple[str, int] | None
@@ -43,6 +44,10 @@ class End(Protocol):
     def close(self) -> None:
         """Close the end."""
 
+    def reopen(self) -> None:
+        """Open it again after `close`, not waiting for the other side; OSError if that fails."""
+        raise OSError(f"{self.address}: cannot be opened again")
+
 
 class Clock(Protocol):
     """The current time, and a way to wait."""
@@ -66,8 +71,8 @@ class RealTime:
         return select.select(ends, [], [], for_s)[0]
 
 
-class UdpIn:
-    """Waits at an address for boats that send there."""
+class UdpIn(End):
+    """Waits at an address for boats that send there; never ends."""
 
     def __init__(self, address: str, at: tuple[str, int]) -> None:
         self.address = address
@@ -87,7 +92,7 @@ class UdpIn:
     def receive(self) -> list[tuple[Peer, bytes]]:
         """The datagrams that have come."""
         heard: list[tuple[Peer, bytes]] = []
-        with suppress(BlockingIOError, ConnectionRefusedError):
+        with suppress(OSError):
             while True:
                 data, peer = self._socket.recvfrom(_MOST_BYTES)
                 self._peers[peer] = None
@@ -105,8 +110,8 @@ class UdpIn:
         self._socket.close()
 
 
-class UdpOut:
-    """Sends to an address, and receives answers from there."""
+class UdpOut(End):
+    """Sends to an address, and receives answers from there; never ends."""
 
     def __init__(self, address: str, to: tuple[str, int]) -> None:
         self.address = address
@@ -125,7 +130,7 @@ class UdpOut:
     def receive(self) -> list[tuple[Peer, bytes]]:
         """The datagrams that have come."""
         heard: list[tuple[Peer, bytes]] = []
-        with suppress(BlockingIOError, ConnectionRefusedError):
+        with suppress(OSError):
             while True:
                 heard.append((None, self._socket.recv(_MOST_BYTES)))
         return heard
@@ -140,14 +145,17 @@ class UdpOut:
         self._socket.close()
 
 
-class Stream:
-    """A TCP connection or a serial line, by its descriptor, which it owns."""
+class Stream(End):
+    """A TCP connection or a serial line, by its descriptor, which it owns.
 
-    def __init__(self, address: str, descriptor: int) -> None:
+    `again` opens the line, or begins a connection, once more.
+    """
+
+    def __init__(self, address: str, descriptor: int, again: Callable[[], int]) -> None:
         self.address = address
-        self._descriptor = descriptor
+        self._again = again
         self._begun = b""  # beginning of a frame whose rest has not come yet
-        os.set_blocking(descriptor, False)
+        self._take(descriptor)
 
     def fileno(self) -> int:
         """The descriptor."""
@@ -172,22 +180,40 @@ class Stream:
         """Close the descriptor."""
         os.close(self._descriptor)
 
+    def reopen(self) -> None:
+        """Open the line, or begin a connection. OSError."""
+        self._take(self._again())
+
+    def _take(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._begun = b""
+        os.set_blocking(descriptor, False)
+
+
+def _connected(address: str, to: tuple[str, int]) -> Stream:
+    connection = socket.create_connection(to, _CONNECT_S)
+    tcp.notice_loss(connection)
+    family, server = connection.family, connection.getpeername()
+    return Stream(
+        address, connection.detach(), lambda: tcp.begin_connection(family, server).detach()
+    )
+
 
 def end_at(address: str, option: str = "--mavlink") -> End:
     """Open the end at this address. ValueError if it is malformed, OSError if it fails."""
     scheme, _, rest = address.partition(":")
     try:
         if scheme == "udpin":
-            return UdpIn(address, host_and_port(rest))
+            return UdpIn(address, udp_place(rest))
         if scheme == "udpout":
-            return UdpOut(address, host_and_port(rest))
+            return UdpOut(address, udp_place(rest))
         if scheme == "tcp":
-            connection = socket.create_connection(host_and_port(rest), _CONNECT_S)
-            return Stream(address, connection.detach())
+            return _connected(address, host_and_port(rest))
         if address.startswith("/dev/"):
-            return Stream(address, open_line(*line_of(address), os.O_RDWR))
+            line = partial(open_line, *line_of(address), os.O_RDWR)
+            return Stream(address, line(), line)
         raise ValueError("must be udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or /dev/…")
     except ValueError as error:
         raise ValueError(f'{option} "{address}": {error}') from None
-    except (OSError, termios.error) as error:
+    except OSError as error:
         raise OSError(f"{address}: {alarm.of_error(error)}") from None

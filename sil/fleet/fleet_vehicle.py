@@ -3,12 +3,13 @@
 
 Arming, HOLD and a stop go to every boat directly. AUTO, LOITER, RTL and a destination go to the
 leader; boats in HOLD then follow. The fleet vehicle reports the leader's position and mode. It is
-armed as long as any boat is armed.
+armed as long as any boat is armed, or was when it fell silent.
 """
 
 import io
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from math import cos, degrees, sin
 from typing import NamedTuple
 
@@ -107,6 +108,7 @@ class FleetVehicle:
         self._has_warned = False
         station.aliases.add(system)
         station.meanwhile = self._attend
+        station.told = partial(self._text, warns=True)
 
     def serve(self, for_s: float) -> None:
         """Act as this vehicle for `for_s` seconds.
@@ -230,11 +232,12 @@ class FleetVehicle:
         self._asked.append(command)
 
     def _heartbeat(self) -> mavlink.MAVLink_message:
-        systems, boats = self._station.fleet.systems, self._station.boats()
-        states = {boat: systems[boat].state for boat in boats if self._station.is_heard(boat)}
+        station, boats = self._station, self._station.boats()
+        # The last known states: a boat that is silent may still be armed.
+        states = {boat: station.shown[boat].state for boat in boats}
         mode = _NUMBERS.get(states.get(self._leader or 0) or "", HOLD)
         armed = any(state not in (None, "DISARMED") for state in states.values())
-        well = states and len(states) == len(boats) and "FAULT" not in states.values()
+        well = states and all(map(station.is_heard, boats)) and "FAULT" not in states.values()
         return mavlink.MAVLink_heartbeat_message(
             mavlink.MAV_TYPE_SURFACE_BOAT,
             mavlink.MAV_AUTOPILOT_GENERIC,

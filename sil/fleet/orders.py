@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Sends orders to boats, repeats each until its boat has answered, and explains the answers."""
+"""Sends orders to boats, repeats each until its boat has answered, and explains the answers.
 
-from collections.abc import Callable, Iterable, Sequence
+An answer (COMMAND_ACK) does not tell ARM from DISARM, nor a mode from another: it may be a late one
+to an earlier order. Orders that stop boats are therefore repeated until a HEARTBEAT shows it.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -24,6 +28,11 @@ _FAULTS = {
     mavlink.MAV_RESULT_FAILED: "failed",
 }
 _ACCEPTED: int = mavlink.MAV_RESULT_ACCEPTED
+_UNSHOWN: int = mavlink.MAV_RESULT_IN_PROGRESS  # answered, but no HEARTBEAT shows it yet
+
+#: The states of a boat that is disarmed, and of one whose propellers rest.
+IS_DISARMED = ("DISARMED", "FAULT")
+RESTS = ("HOLD", *IS_DISARMED)
 
 Order = Callable[[int, int], mavlink.MAVLink_message]
 """Makes the message to a system for the nth transmission, counted from 0."""
@@ -78,28 +87,38 @@ def go_to(latitude: int, longitude: int) -> Order:
     return message
 
 
-def carry_out(station: Station, order: Order, systems: Sequence[int]) -> list[Answer]:
-    """Send the order to each system until it answers, for at most 6 s; then listen for reasons."""
-    since_s, heard = station.now_s(), len(station.acks)
-    command = order(0, 0).command
-    open_ones = dict.fromkeys(systems, 0)
-    results: dict[int, int] = {}
+class _Sent(NamedTuple):
+    """A command, when it was first sent, and the states of which one must follow; none: any."""
 
-    def all_answered() -> bool:
-        for ack in station.acks[heard:]:
-            if ack.command == command and ack.system in open_ones:
-                results.setdefault(ack.system, ack.result)
-        return len(results) == len(open_ones)
+    command: int
+    since_s: float
+    states: Collection[str]
 
-    while station.now_s() - since_s < PATIENCE_S and not all_answered():
-        for system in leader_last(station, open_ones.keys() - results.keys()):
-            station.say(order(system, open_ones[system]), system)
-            open_ones[system] += 1
-        station.run(_RETRY_S, all_answered)
-    refused = any(result != _ACCEPTED for result in results.values())
+
+def carry_out(
+    station: Station, order: Order, systems: Sequence[int], states: Collection[str] = ()
+) -> list[Answer]:
+    """Send the order to each system until it answers, for at most 6 s; then listen for reasons.
+
+    With `states`, until its HEARTBEAT shows one of these after its answer.
+    """
+    sent = _Sent(order(0, 0).command, station.now_s(), states)
+    counts = dict.fromkeys(systems, 0)
+
+    def open_ones() -> list[int]:
+        return [s for s in counts if _result(station, s, sent) in (None, _UNSHOWN)]
+
+    while station.now_s() - sent.since_s < PATIENCE_S and open_ones():
+        for system in leader_last(station, open_ones()):
+            station.say(order(system, counts[system]), system)
+            counts[system] += 1
+        station.run(_RETRY_S, lambda: not open_ones())
+    results = [_result(station, system, sent) for system in systems]
+    refused = any(result not in (None, _ACCEPTED) for result in results)
     station.run(_REASONS_S if refused else _NEWS_S)
     return [
-        Answer(system, results.get(system), _said(station, system, since_s)) for system in systems
+        Answer(system, result, _said(station, system, sent.since_s))
+        for system, result in zip(systems, results, strict=True)
     ]
 
 
@@ -108,21 +127,19 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
 
     Begins when the first boat is heard, and waits 2.5 s for others. If boats report a fleet's
     table, also sends a table that stops all of its members; boats pass it on. It also lists, and
-    orders to stop, the members of every table that boats have passed on.
+    orders to stop, the members of every table that boats have passed on, and boats that sign with
+    the station's key at another time: they obey a stop whatever its age.
     """
-    since_s, heard = station.now_s(), len(station.acks)
+    since_s = station.now_s()
+    sent = _Sent(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, since_s, IS_DISARMED)
     order, table = long(DISARM), StopTable(station)
-    results: dict[int, int] = {}
     count = 0
 
     def everyone() -> list[int]:
-        return sorted({*named, *station.boats(), *_only_listed(station)})
+        return sorted({*named, *station.boats(), *_listed(station), *station.late_s})
 
     def open_ones() -> list[int]:
-        for ack in station.acks[heard:]:
-            if ack.command == mavlink.MAV_CMD_COMPONENT_ARM_DISARM:
-                results[ack.system] = ack.result
-        return [system for system in everyone() if results.get(system) != _ACCEPTED]
+        return [s for s in everyone() if _result(station, s, sent) != _ACCEPTED]
 
     def is_over() -> bool:
         return station.now_s() - since_s >= DISCOVERY_S and not open_ones()
@@ -136,18 +153,48 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
         table.send(everyone(), open_ones() if late else ())
         count += 1
         station.run(_STOP_RETRY_S, lambda known=known: everyone() != known or is_over())  # type: ignore[misc]
-    unheard = _only_listed(station) - {*named}
+    heard = {system for system, kind in _kinds(station).items() if kind is not None}
+    unheard = _listed(station) - heard - {*named}
     return [
-        Answer(system, results.get(system), _said(station, system, since_s), system in unheard)
+        Answer(
+            system,
+            _result(station, system, sent),
+            _said(station, system, since_s),
+            system in unheard,
+        )
         for system in everyone()
     ]
 
 
-def _only_listed(station: Station) -> set[int]:
-    """Members of the heard tables that are not heard themselves, as a boat or another vessel."""
-    vessels = station.fleet.systems.items()
-    others = {system for system, vessel in vessels if vessel.kind is not None}
-    return station.table().places.keys() - others - {*station.boats(), station.system}
+def _result(station: Station, system: int, sent: _Sent) -> int | None:
+    """A boat's result; None if it has not answered, `_UNSHOWN` if no later HEARTBEAT shows it.
+
+    A boat whose HEARTBEATs never arrive is believed: others forward its answers, but no broadcasts.
+    """
+    about = system, sent.command
+    acks = [
+        ack
+        for ack in station.acks
+        if (ack.system, ack.command) == about and ack.at_s > sent.since_s
+    ]
+    if not acks:
+        return None
+    if not sent.states:
+        return acks[0].result
+    shown = station.shown.get(system)
+    if shown is None or (shown.at_s > acks[0].at_s and shown.state in sent.states):
+        return acks[-1].result
+    return _UNSHOWN
+
+
+def _listed(station: Station) -> set[int]:
+    """Members of the heard tables that are not known as boats; without virtual leaders."""
+    virtual = {system for system, kind in _kinds(station).items() if kind == "leader"}
+    return station.table().places.keys() - virtual - {*station.boats(), station.system}
+
+
+def _kinds(station: Station) -> dict[int, str | None]:
+    return {system: vessel.kind for system, vessel in station.fleet.systems.items()}
 
 
 def leader_last(station: Station, systems: Iterable[int]) -> list[int]:
@@ -166,6 +213,8 @@ def tell(answer: Answer, held: Iterable[str], signs: bool) -> str:
     if answer.result is None:
         remedy = ": it signs its messages, use --key FILE" if signs else ""
         return f"no answer{remedy}"
+    if answer.result == _UNSHOWN:
+        return "it answers, but no HEARTBEAT shows that it has obeyed"
     fault = _FAULTS.get(answer.result, f"result {answer.result}")
     reasons = [text.partition(": ")[2] for text in answer.said if text.startswith(_WHY)]
     reasons = reasons or ["; ".join(held)]

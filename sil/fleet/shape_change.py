@@ -27,7 +27,7 @@ from sil.wire.fleet_table import digest_of, table_message
 IN_S = 3.0
 _PATIENCE_S, _RETRY_S = 8.0, 0.6
 _BEACONS_S = 2.5  # two beacons of each boat; a boat without a table sends none
-_TOLD_S = 1.5  # until all beacons report the new leaders
+_TOLD_S = 6.0  # until all beacons report the new leaders: five of each boat
 _STOPS_S = 1.0  # until a boat that refuses its new slot has stopped
 _GUARD_LENGTHS = 1.2  # boat lengths that make up FS_SEP_M if it is negative
 _SLOTS_GUARDS = 1.5  # least distance of slots, as a multiple of FS_SEP_M
@@ -103,26 +103,28 @@ def change(
         station.run(_RETRY_S, lambda: not missing())
     late = missing()
 
-    def is_in_force() -> bool:
-        told = [station.beacon(boat) for boat in boats[1:] if boat not in late]
-        return all(beacon is not None and beacon.follows == boats[0] for beacon in told)
+    def astray() -> list[int]:
+        now = {boat: station.beacon(boat) for boat in boats[1:] if boat not in late}
+        return [boat for boat, told in now.items() if told is None or told.follows != boats[0]]
 
     station.run(IN_S - (station.now_s() - since_s))
-    station.run(_TOLD_S, is_in_force)
+    station.run(_TOLD_S, lambda: not astray())
     station.run(_STOPS_S)
+    strays = dict.fromkeys(astray(), f"does not report that it follows boat {boats[0]}")
     how = ""
     if under_way:
         how = "; the boats assign the places and move there together"
     elif present is None:
         how = "; some boats report no position: places by rank"
-    words = f"table {epoch} is in force with {len(boats) - len(late)} of {len(boats)} boats{how}"
+    there = len(boats) - len(late) - len(strays)
+    words = f"table {epoch} is in force with {there} of {len(boats)} boats{how}"
     missing_ones = {boat: _why(station, boat, epoch, since_s) for boat in late}
     stops = {each.system: each.text for each in station.texts if _stops(each, boats, since_s)}
     stopped = {
         boat: f"{text}; flotilla fleet follow --boats {boat}" for boat, text in stops.items()
     }
     return Change(
-        words, [] if under_way else places, {**stopped, **missing_ones}, warnings_of(told)
+        words, [] if under_way else places, {**strays, **stopped, **missing_ones}, warnings_of(told)
     )
 
 

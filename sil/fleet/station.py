@@ -5,7 +5,9 @@ Its heartbeat is not of type GCS: boats that stop without a ground station (`FS_
 rely on a command that ends after a few seconds.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -23,7 +25,7 @@ from sil.wire.signing import Signer, is_signed, numbered
 SYSTEM, COMPONENT, LINK = 255, mavlink.MAV_COMP_ID_USER1, 70
 STALE_S = 5.0
 
-_BEAT_S, _SLICE_S = 1.0, 0.05
+_BEAT_S, _SLICE_S, _AGAIN_S = 1.0, 0.05, 1.0
 _ROUTE_S = 10.0
 _ASK_S = 0.3
 _COMPANION: int = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
@@ -35,9 +37,17 @@ _MOST_KEPT = 1000  # acknowledgements and texts; a command hears a few dozen
 class Ack(NamedTuple):
     """A boat's answer to a command of this station."""
 
+    at_s: float
     system: int
     command: int
     result: int
+
+
+class Shown(NamedTuple):
+    """The state in a HEARTBEAT; of a vessel that is not known as a boat, as if it were one."""
+
+    at_s: float
+    state: str | None
 
 
 class Text(NamedTuple):
@@ -51,11 +61,12 @@ class Text(NamedTuple):
 class Station:
     """One station at `ends`, with system id `system`; with a `signer`, it accepts only its key.
 
-    `fleet`: the vessels heard. `signs`: system ids of those that sign, where the station has no
-    key. `parameters`: by system id and name. `aliases`: more system ids of this program, whose
-    messages are ignored; `echoed`: the numbers of such messages. `refused`: number of messages
-    without a good signature. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
-    `meanwhile` is called at least 20 times a second while it listens.
+    `fleet`: the vessels heard. `shown`: the last state of each, however old. `signs`: system ids of
+    those that sign, where the station has no key. `parameters`: by system id and name. `aliases`:
+    more system ids of this program, whose messages are ignored; `echoed`: the numbers of such
+    messages. `refused`: number of messages without a good signature; `late_s`: age of those of
+    boats whose key is good. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
+    `meanwhile` is called at least 20 times a second while it listens, `told` about lost links.
     """
 
     def __init__(
@@ -67,16 +78,20 @@ class Station:
     ) -> None:
         self.system = system
         self.fleet = Fleet(length_m=1.0)
+        self.shown: dict[int, Shown] = {}
         self.parameters: dict[tuple[int, str], float] = {}
         self.acks: list[Ack] = []
         self.texts: list[Text] = []
         self.signs: set[int] = set()
         self.refused = 0
+        self.late_s: dict[int, float] = {}
         self.aliases: set[int] = set()
         self.echoed: set[int] = set()
         self.kind: int = mavlink.MAV_TYPE_ONBOARD_CONTROLLER
         self.meanwhile: Callable[[], None] = lambda: None
+        self.told: Callable[[str], None] = lambda _: None
         self._ends = list(ends)
+        self._lost: dict[End, float] = {}  # until heard again; when to open it next
         self._signer = signer
         self._ear = Ear(stream=False)
         self._mav = mavlink.MAVLink(None, system, COMPONENT)
@@ -86,6 +101,7 @@ class Station:
         # with another number.
         self._sequence = int(1000.0 * self._began_s)
         self._autopilots: dict[int, set[int]] = {}  # components that a boat's heartbeat came from
+        self._surface_boats: set[int] = set()  # ours and others
         self._beacons: dict[tuple[int, int], tuple[float, Beacon]] = {}
         self._tables = HeardTables()
         self._routes: dict[int, dict[tuple[End, Peer], float]] = {}
@@ -99,6 +115,10 @@ class Station:
     def boats(self) -> list[int]:
         """System ids of the Flotilla boats: those whose autopilot's heartbeat was ever heard."""
         return sorted(self._autopilots.keys())
+
+    def strangers(self) -> list[int]:
+        """Surface boats that are heard at present, and have not said that they run Flotilla."""
+        return sorted(filter(self.is_heard, self._surface_boats - self._autopilots.keys()))
 
     def is_heard(self, system: int) -> bool:
         """Whether a system is heard at present."""
@@ -163,33 +183,47 @@ class Station:
             self._beat_s = self.now_s() + _BEAT_S
             none, state = mavlink.MAV_AUTOPILOT_INVALID, mavlink.MAV_STATE_ACTIVE
             self.say(mavlink.MAVLink_heartbeat_message(self.kind, none, 0, 0, state, 3))
+        self._open_again()
         for end in self._clock.wait(self._ends, wait_s):
             try:
                 heard = end.receive()
             except OSError:
-                self._drop(end)
+                self._lose(end)
                 continue
+            if heard and self._lost.pop(end, None) is not None:
+                self.told(f"{end.address}: connected again")
             for peer, data in heard:
                 self._hear(end, peer, data)
         self.meanwhile()
 
-    def _drop(self, end: End) -> None:
+    def _lose(self, end: End) -> None:
+        """Close an end, to open it again each second; OSError if no other one is left."""
         self._ends.remove(end)
         end.close()
         for known in self._routes.values():
             for route in [route for route in known if route[0] is end]:
                 del known[route]
-        if not self._ends:
-            raise OSError(f"{end.address}: the other side has ended the connection")
+        ended = f"{end.address}: the other side has ended the connection"
+        if end not in self._lost:
+            self.told(f"{ended}; trying again")
+        self._lost[end] = self.now_s() + _AGAIN_S
+        if self._lost.keys() >= {*self._ends}:
+            raise OSError(ended)
+
+    def _open_again(self) -> None:
+        for end, at_s in self._lost.items():
+            if self.now_s() >= at_s:
+                self._lost[end] = self.now_s() + _AGAIN_S
+                with suppress(OSError):
+                    end.reopen()
+                    self._ends.append(end)
+                    self._lost[end] = math.inf
 
     def _hear(self, end: End, peer: Peer, data: bytes) -> None:
         if self._signer is None:
             self.signs |= {system for _, system, _, frame in frames(data) if is_signed(frame)}
         else:
-            said = [frame for *_, frame in frames(data)]
-            good = [frame for frame in said if self._signer.verifies(frame)]
-            self.refused += len(said) - len(good)
-            data = b"".join(good)
+            data = b"".join(self._verified(data, self._signer))
         self._tables.hear(data)
         for message in self._ear.hear(data):
             if message.fields is not None and message.system in self.aliases:
@@ -198,6 +232,19 @@ class Station:
                 now_s = self.now_s()
                 self._routes.setdefault(message.system, {})[end, peer] = now_s
                 self._take(message, now_s)
+
+    def _verified(self, data: bytes, signer: Signer) -> Iterator[bytes]:
+        """Yield the frames with a good signature."""
+        for number, system, component, frame in frames(data):
+            if signer.verifies(frame):
+                self.late_s.pop(system, None)
+                yield frame
+                continue
+            self.refused += 1
+            late_s = signer.late_s(frame)
+            is_beat = number == messages.HEARTBEAT and component in _AUTOPILOTS
+            if late_s is not None and is_beat and system != self.system:
+                self.late_s[system] = late_s
 
     def _take(self, message: Message, now_s: float) -> None:
         number, system, component, fields = message
@@ -212,7 +259,7 @@ class Station:
         elif number == messages.COMMAND_ACK:
             command, result, _, _, to_system, to_component = fields
             if (to_system, to_component) == (self.system, COMPONENT):
-                self.acks = [*self.acks[-_MOST_KEPT:], Ack(system, command, result)]
+                self.acks = [*self.acks[-_MOST_KEPT:], Ack(now_s, system, command, result)]
         elif number == messages.PARAM_VALUE:
             name = fields[3].split(b"\0")[0].decode("ascii", "replace")
             self.parameters[system, name] = fields[0]
@@ -222,10 +269,15 @@ class Station:
                 self.texts = [*self.texts[-_MOST_KEPT:], Text(now_s, system, said.last)]
 
     def _look_at_heartbeat(self, system: int, component: int, fields: tuple[Any, ...]) -> None:
-        """Record the component that sends a boat's heartbeat: its autopilot, or a companion."""
-        mode, _, autopilot = fields[:3]
+        """Record the state, and the component that sends it: a boat's autopilot, or a companion."""
+        vessel = self.fleet.systems[system]
+        if vessel.kind is not None:
+            self.shown[system] = Shown(vessel.beat_s, vessel.shown)
+        mode, kind, autopilot = fields[:3]
         is_none = autopilot == mavlink.MAV_AUTOPILOT_INVALID
-        is_boat = self.fleet.systems[system].kind == "boat" and mode in _MODES
+        if kind == mavlink.MAV_TYPE_SURFACE_BOAT and not is_none:
+            self._surface_boats.add(system)
+        is_boat = vessel.kind == "boat" and mode in _MODES
         if is_boat and (component == _COMPANION or not is_none):
             self._autopilots.setdefault(system, set()).add(component)
 

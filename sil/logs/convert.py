@@ -9,6 +9,7 @@ import rich.progress
 from rich.console import Console
 from rich.markup import escape
 
+from sil.common import files
 from sil.lockstep.recording import MAGIC
 from sil.logs import boats, run_folder
 
@@ -40,9 +41,14 @@ def convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None
 
 
 def _place(out: Path) -> Path:
-    """Return `out`; ValueError if its folder is missing, before hours of logs are read in vain."""
+    """Return `out`, checked before hours of logs are read in vain.
+
+    ValueError if its folder is missing, OSError if that cannot be written to.
+    """
     if not out.parent.is_dir():
         raise ValueError(f"{out.parent}: no such folder")
+    if files.is_replaced(out):
+        files.check_folder(out.parent, out)
     return out
 
 

@@ -8,12 +8,11 @@
 import asyncio
 import os
 import socket
-import termios
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
 from sil.view import alarm
-from sil.wire import mavlink_mcast
+from sil.wire import mavlink_mcast, tcp
 from sil.wire.mavlink_ear import Ear, Message
 from sil.wire.serial_line import line_of, open_line
 
@@ -52,7 +51,7 @@ class Listener:
                 else:
                     await self._hear_line(take)
                     self.trouble = "the device is gone; check its cable"
-            except (OSError, termios.error) as error:
+            except OSError as error:
                 self.trouble = alarm.of_error(error)
             self.ear.forget()
             await asyncio.sleep(_RETRY_S)
@@ -74,6 +73,7 @@ class Listener:
     async def _hear_server(self, take: Take) -> None:
         host, port = mavlink_mcast.host_and_port(self.address.removeprefix("tcp:"))
         reader, writer = await asyncio.open_connection(host, port)
+        tcp.notice_loss(writer.get_extra_info("socket"))
         self.trouble = None
         try:
             while data := await reader.read(_MOST_BYTES):
@@ -118,7 +118,7 @@ def _socket_of(address: str) -> socket.socket | None:
         except OSError as error:
             raise OSError(f"{address}: {alarm.of_error(error)}") from None
     if scheme == "udpin":
-        at = mavlink_mcast.host_and_port(rest)
+        at = mavlink_mcast.udp_place(rest)
         end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             end.bind(at)

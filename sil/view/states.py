@@ -19,9 +19,20 @@ def held_by(conditions: int, state: str) -> tuple[str, ...]:
     """
     if state in ("FORMATION", "AUTO", "GUIDED", "LOITER", "RTL"):
         return ()
-    met = [c["name"] for c in _CONDITIONS if conditions >> c["bit"] & 1]
+    met = _met(conditions)
     sails = state == "DISARMED" and flotilla.supervise("HOLD", "AUTO", met)["granted"]
     missing = set() if sails else set(flotilla.supervise("HOLD", "FORMATION", met)["missing"])
     if state == "DISARMED":
         missing |= set(flotilla.supervise("DISARMED", "arm", met)["missing"])
     return tuple(c["complaint"] for c in _CONDITIONS if c["name"] in missing)
+
+
+def keep_from_arming(conditions: int) -> tuple[str, ...]:
+    """The boat's message for each unmet condition without which it does not arm."""
+    armed = flotilla.supervise("DISARMED", "arm", _met(conditions))
+    missing = () if armed["granted"] else armed["missing"]
+    return tuple(c["complaint"] for c in _CONDITIONS if c["name"] in missing)
+
+
+def _met(conditions: int) -> list[str]:
+    return [c["name"] for c in _CONDITIONS if conditions >> c["bit"] & 1]

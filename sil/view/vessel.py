@@ -18,13 +18,17 @@ _RESTARTED_MS = 1000
 _AUTOPILOT: int = mavlink.MAV_COMP_ID_AUTOPILOT1
 _COMPANION: int = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
 _NO_VESSELS = {mavlink.MAV_TYPE_GCS, mavlink.MAV_TYPE_ADSB, mavlink.MAV_TYPE_ONBOARD_CONTROLLER}
+# Sent by no other firmware; DEPTH is not, since others use that name for an echo sounder.
+_OUR_MESSAGES = {messages.FORMATION_REFERENCE, messages.FORMATION_FUTURE, messages.FLEET_BEACON}
+_OUR_VALUES = {b"COND", b"SEP_M"}
 
 
 class Vessel:
     """A system that may be a vessel; `kind` is None until a HEARTBEAT identifies it as one.
 
-    kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). Its position
-    is taken from component 1, else from the lowest component heard; times are the listener's, s.
+    kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). A component
+    that has once sent what only a Flotilla sends stays one. Its position is taken from component 1,
+    else from the lowest component heard; times are the listener's, s.
     """
 
     def __init__(self, system: int, now_s: float) -> None:
@@ -34,11 +38,12 @@ class Vessel:
         self.heard_s = self.beat_s = 0.0
         self.kind: str | None = None
         self.state: str | None = None
+        self.shown: str | None = None  # the same, if it were a boat
         self.texts = Texts()
         self.motion = Motion()
         self.aboard = Aboard()
         self._main = 256
-        self._is_companion = False  # a Flotilla beside another autopilot
+        self._ours: set[int] = set()  # components that run Flotilla
         self._boot_ms = 0
 
     def hear(self, message: Message, now_s: float) -> None:
@@ -48,6 +53,8 @@ class Vessel:
         self.heard_s = now_s
         if component != self._main and (component == _AUTOPILOT or component < self._main != 1):
             self._main = component
+        if component not in self._ours and _is_ours(number, fields):
+            self._ours.add(component)
         if not fields:
             return
         if number == messages.HEARTBEAT:
@@ -62,8 +69,6 @@ class Vessel:
             self.aboard.hear(number, fields, now_s)
         elif component == _COMPANION:
             self.aboard.hear(number, fields, now_s)
-            if self.aboard.value("COND", now_s) is not None:
-                self._is_companion = True
 
     def value(self, name: str) -> float | None:
         """A NAMED_VALUE_FLOAT that was still valid at the vessel's last message."""
@@ -84,7 +89,7 @@ class Vessel:
 
     def _beat(self, component: int, f: tuple[Any, ...], now_s: float) -> None:
         custom_mode, kind, autopilot, base_mode, status = f[:5]
-        if self._is_companion:
+        if _COMPANION in self._ours:  # beside another autopilot
             if component != _COMPANION:
                 return
             self.kind = "boat"
@@ -99,16 +104,23 @@ class Vessel:
         else:
             ours = autopilot == mavlink.MAV_AUTOPILOT_GENERIC or (
                 autopilot == mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA  # MAV_AUTOPILOT 1
-                and self.aboard.value("COND", now_s) is not None
+                and component in self._ours
             )
             ours = ours and kind == mavlink.MAV_TYPE_SURFACE_BOAT
             self.kind = "boat" if ours else "vessel"
         self.beat_s = now_s
-        is_boat = self.kind == "boat"
-        self.state = state_of(custom_mode, base_mode, status) if is_boat else None
+        self.shown = state_of(custom_mode, base_mode, status)
+        self.state = self.shown if self.kind == "boat" else None
 
     def _look_at_clock(self, boot_ms: int) -> None:
         """Drop all values from before a restart of the vessel."""
         if boot_ms + _RESTARTED_MS < self._boot_ms:
             self.motion, self.aboard = Motion(), Aboard()
         self._boot_ms = boot_ms
+
+
+def _is_ours(number: int, fields: tuple[Any, ...] | None) -> bool:
+    """Whether only a Flotilla sends this message."""
+    if number == messages.NAMED_VALUE_FLOAT and fields:
+        return fields[2].split(b"\0")[0] in _OUR_VALUES
+    return number in _OUR_MESSAGES and fields is not None

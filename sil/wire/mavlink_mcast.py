@@ -54,6 +54,14 @@ def host_and_port(text: str, least: int = 1) -> tuple[str, int]:
     return host.strip("[]"), port_of(port, least)
 
 
+def udp_place(text: str) -> tuple[str, int]:
+    """Parse HOST:PORT of a UDP link; ValueError if it is invalid or IPv6."""
+    host, port = host_and_port(text)
+    if ":" in host:
+        raise ValueError(f"{host} is an IPv6 address: give an IPv4 address, 127.0.0.1 for example")
+    return host, port
+
+
 def listener(group: Group) -> socket.socket:
     """A shared socket that receives the group on its interface only; OSError if refused."""
     ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -89,7 +97,7 @@ class Mouth:
             if scheme not in ("mcast", "udpout"):
                 raise ValueError("must be mcast:[GROUP:PORT[:ADDRESS]] or udpout:HOST:PORT")
             group = group_of(rest) if scheme == "mcast" else None
-            self._to = group[:2] if group else host_and_port(rest)
+            self._to = group[:2] if group else udp_place(rest)
         except ValueError as error:
             raise ValueError(f'"{address}": {error}') from None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

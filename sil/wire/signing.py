@@ -74,17 +74,24 @@ class Signer:
 
     def verifies(self, frame: bytes) -> bool:
         """Whether a whole frame is signed with the key, is new, and is less than a minute old."""
-        if not is_signed(frame):
-            return False
-        whole, signature = frame[:-_SIGNATURE], frame[-_SIGNATURE:]
-        if signature != self._signature(whole):
-            return False
-        at = int.from_bytes(whole[-6:], "little")
-        sender = frame[5:7] + whole[-7:-6]
-        if at <= self._heard.get(sender, _now() - _LATE):
+        at, sender = self._stamp(frame), frame[5:7] + frame[-_BLOCK : 1 - _BLOCK]
+        if at is None or at <= self._heard.get(sender, _now() - _LATE):
             return False
         self._heard[sender] = at
         return True
+
+    def late_s(self, frame: bytes) -> float | None:
+        """Age of a frame that is signed with the key and at least a minute old, s; else None."""
+        at = self._stamp(frame)
+        late = 0 if at is None else _now() - at
+        return late / _PER_S if late >= _LATE else None
+
+    def _stamp(self, frame: bytes) -> int | None:
+        """The time of a whole frame that is signed with the key; None if it is not."""
+        whole, signature = frame[:-_SIGNATURE], frame[-_SIGNATURE:]
+        if not is_signed(frame) or signature != self._signature(whole):
+            return None
+        return int.from_bytes(whole[-6:], "little")
 
     def _signature(self, whole: bytes) -> bytes:
         return hashlib.sha256(self._key + whole).digest()[:_SIGNATURE]

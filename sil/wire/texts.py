@@ -15,7 +15,7 @@ class Texts:
     def hear(self, component: int, piece: bytes, number: int, chunk: int, now_s: float) -> None:
         """Process a STATUSTEXT; `number` 0 is a whole text, others come in chunks from 0 on.
 
-        A text with a lost chunk is dropped.
+        A text with a lost chunk is dropped, and so are characters that command a terminal.
         """
         pieces = [piece]
         if number:
@@ -27,5 +27,6 @@ class Texts:
             self._pieces[component] = number, pieces
             if b"\0" not in piece and len(pieces) < 256:
                 return
-        self.last = b"".join(pieces).split(b"\0")[0].decode("utf-8", "replace")
+        whole = b"".join(pieces).split(b"\0")[0].decode("utf-8", "replace")
+        self.last = "".join(filter(str.isprintable, whole))
         self.said_s = now_s

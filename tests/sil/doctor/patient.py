@@ -4,9 +4,11 @@
 Faults are planted by changing it before `examined`.
 """
 
+import fcntl
 import os
 import pty
 import select
+import termios
 import time
 import tty
 from collections.abc import Callable
@@ -177,6 +179,8 @@ class Patient:
         return [f for f in found if "is a simulated bus" not in f.what]
 
     def while_speaking(self, doctor: Callable[[], Any]) -> Any:
+        # A real line may be opened again once it is closed; this one stays open here.
+        fcntl.ioctl(self._slave, termios.TIOCNXCL)
         with ThreadPoolExecutor(1) as pool:
             future = pool.submit(doctor)
             while not future.done():

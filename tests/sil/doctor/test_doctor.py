@@ -9,19 +9,26 @@ import subprocess
 import sys
 import tarfile
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import flotilla
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sil.doctor import boat_file
 from sil.doctor.boat_file import saved
 from sil.doctor.checkup import examine, verdict
+from sil.doctor.collection import collect
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Level
 from sil.doctor.machine_checks import machine
 from sil.live.live_world import FLOTILLAD
 from sil.live.ordinary_user import ordinary_user
 from tests.sil.doctor.patient import BUS, CONFIG, KEY, SYSTEM, Patient, Speaker
+from tests.sil.full_disk import full_disk
 
 KEY_FILE = "/etc/flotilla/signing.key"
 PARAMETERS = "/var/lib/flotilla/parameters.txt"
@@ -315,6 +322,67 @@ def test_what_is_collected_has_logs_and_findings_and_no_key(patient: Patient) ->
     assert json.loads(held["doctor.json"])["ready"] is True
     for data in held.values():
         assert KEY not in data and KEY.hex().encode() not in data.lower()
+
+
+@pytest.mark.parametrize("broken", ["a full disk", "Ctrl-C"])
+def test_a_collection_that_is_cut_short_leaves_no_file(
+    patient: Patient, broken: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    patient.put("/var/log/flotilla/mavlink0-00001.tlog", os.urandom(100_000))
+    out, computer = patient.root / "reports" / "report.tar.gz", Computer(patient.root)
+    out.parent.mkdir()
+    (boat, _) = boat_file.read(computer, CONFIG)
+    if broken == "Ctrl-C":
+        monkeypatch.setattr(tarfile.TarFile, "addfile", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            collect(computer, CONFIG, boat, [], out)
+    else:
+        with full_disk(), pytest.raises(OSError, match=str(out)):
+            collect(computer, CONFIG, boat, [], out)
+    assert list(out.parent.iterdir()) == []
+
+
+def interrupted(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+CONDITIONS = flotilla.supervisor_conditions()
+
+
+@pytest.mark.parametrize(
+    ("unmet", "level"),
+    [("escs_online", BAD), ("parameters_saved", BAD), ("own_fresh", DOUBT), ("", DOUBT)],
+)
+def test_what_keeps_a_boat_from_arming_is_wrong_and_the_rest_is_to_look_at(
+    patient: Patient, unmet: str, level: Level
+) -> None:
+    """Asks a boat that sends COND and COND2, or COND2 alone."""
+    boat = mavlink.MAVLink(None, SYSTEM, 1)
+    beat = mavlink.MAVLink_heartbeat_message(11, 0, 1, 4, 3, 3)
+    met = sum(1 << c["bit"] for c in CONDITIONS if c["name"] != unmet)
+    halves = {b"COND": met % (1 << 24), b"COND2": met >> 24}
+    if not unmet:
+        del halves[b"COND"]
+    words = [
+        mavlink.MAVLink_named_value_float_message(0, name, float(half))
+        for name, half in halves.items()
+    ]
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end,
+        ThreadPoolExecutor(1) as pool,
+    ):
+        end.bind(("127.0.0.1", patient.port))
+        end.settimeout(0.05)
+        future = pool.submit(lambda: list(examine(Computer(patient.root), CONFIG, 0.1)))
+        while not future.done():
+            with suppress(TimeoutError):
+                _, doctor = end.recvfrom(4096)
+                for message in (beat, *words):
+                    end.sendto(message.pack(boat), doctor)
+        found = [f for f in future.result() if f.where == "boat"]
+    complaints = [c["complaint"] for c in CONDITIONS if c["name"] == unmet]
+    what = complaints or ["its conditions are not heard in 2.5 s"]
+    assert [(f.level, f.what) for f in found] == [(level, what[0])]
 
 
 def test_who_may_not_look_is_told_to_use_sudo_and_nobody_is_blamed() -> None:

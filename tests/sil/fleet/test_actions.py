@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """`flotilla fleet` against the firmware: what an operator says, and what the boats then do."""
 
+import io
 import math
 import re
+from collections.abc import Sequence
 from itertools import combinations, permutations
 from pathlib import Path
 from typing import Any
@@ -10,16 +12,25 @@ from typing import Any
 import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
+from rich.console import Console
 
-from sil.fleet.ends import Peer
+from sil.fleet.actions import Wish, perform
+from sil.fleet.ends import End, Peer
 from sil.fleet.orders import carry_out, long, stop
+from sil.fleet.station import COMPONENT, Ack, Station
 from sil.fleet.tables import assigned, shape_places
 from sil.scenario.formation import Formation, slots
+from sil.wire import signing
+from sil.wire.fleet_table import Beacon, beacon_of
 from sil.wire.heartbeat import HOLD
 from sil.wire.mavlink_ear import Ear
+from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import FLEET_TABLE
 from sil.wire.operator import Operator, mode_request
-from tests.sil.fleet.waters import BOATS, Air, Waters
+from sil.wire.signing import Signer
+from tests.sil.fleet.waters import BOATS, Air, Waters, heard
+
+KEY = bytes(range(32))
 
 
 @pytest.fixture
@@ -201,6 +212,66 @@ def test_a_boat_that_does_not_answer_the_stop_is_named(waters: Waters) -> None:
     assert [waters.state(boat) for boat in (1, 3, 4)] == ["DISARMED"] * 3
 
 
+@pytest.mark.parametrize(
+    ("action", "command", "state"),
+    [("stop", 400, "DISARMED"), ("disarm", 400, "DISARMED"), ("hold", 176, "HOLD")],
+)
+def test_a_late_answer_to_an_earlier_order_ends_no_stop(
+    waters: Waters, action: str, command: int, state: str
+) -> None:
+    """Boat 2 answers ARM, or another mode, when the stop has gone out, which it misses for 2 s."""
+    answer = mavlink.MAVLink_command_ack_message(command, 0, 0, 0, 255, COMPONENT)
+    late, send = answer.pack(mavlink.MAVLink(None, 2, 1)), Air.send
+    sent_s: list[float] = []
+
+    def lossy(air: Air, frame: bytes, peer: Peer) -> None:
+        (told,) = mavlink.MAVLink(None).parse_buffer(frame)
+        if getattr(told, "command", None) == command and told.target_system == 2:
+            sent_s.append(waters.now_s())
+            if len(sent_s) == 1:
+                heard(waters, late)
+            if sent_s[-1] - sent_s[0] < 2.0:
+                return
+        send(air, frame, peer)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Air, "send", lossy)
+        status, words = waters.command(action=action)
+    assert waters.states == [state] * 4
+    assert status == 0 and words.startswith("4 of 4 ")
+
+
+def keep_saying(waters: Waters, said: bytes) -> None:
+    """A stranger's messages, at all times."""
+    wait = waters.wait
+
+    def heard_too(ends: Sequence[End], for_s: float) -> Sequence[End]:
+        told = wait(ends, for_s)
+        heard(waters, said)
+        return told
+
+    waters.wait = heard_too
+
+
+def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
+    answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
+    keep_saying(waters, beat_of(9, 1, 11, 0, 137) + answer.pack(mavlink.MAVLink(None, 9, 1)))
+    status, words = waters.command(action="stop")
+    assert status == 1 and words.splitlines() == [
+        "4 of 5 stopped and disarmed",
+        "boat 9: it answers, but no HEARTBEAT shows that it has obeyed",
+    ]
+
+
+def test_a_text_is_printed_as_it_is_but_commands_no_terminal(waters: Waters) -> None:
+    boat = mavlink.MAVLink(None, 9, 1)
+    text = mavlink.MAVLink_statustext_message(4, b"PreArm: [/dev/i2c-1] :x:\x1b[2J\r")
+    refusal = mavlink.MAVLink_command_ack_message(400, 1, 0, 0, 255, COMPONENT)
+    keep_saying(waters, beat_of(9, 1, 11, 0) + text.pack(boat) + refusal.pack(boat))
+    _, words = waters.command(action="arm")
+    assert words.splitlines()[-1] == "boat 9: refused: [/dev/i2c-1] :x:[2J"
+
+
 def test_a_stop_reaches_a_boat_that_the_operators_radio_does_not(waters: Waters) -> None:
     """By the fleet's table, which members hand on."""
     waters.command(action="form", shape="vee", spacing_m=4.0)
@@ -242,6 +313,60 @@ def test_a_radio_that_loses_a_third_carries_all_of_it(seed: int) -> None:
     assert waters.states == ["HOLD"] * 4
 
 
+class Signed:
+    """The boats' messages, signed `late_s` ago, and stations with a key."""
+
+    def __init__(self, waters: Waters, late_s: float, patch: pytest.MonkeyPatch) -> None:
+        self.waters = waters
+        now, wait = signing._now, waters.wait
+        signers = {boat: Signer(KEY, 3) for boat in BOATS}
+
+        def sign(peer: Peer, data: bytes) -> bytes:
+            assert peer is not None
+            return b"".join(signers[peer[1]].sign(frame) for *_, frame in frames(data))
+
+        def waited(ends: Sequence[End], for_s: float) -> Sequence[End]:
+            told = wait(ends, for_s)
+            with pytest.MonkeyPatch.context() as then:
+                then.setattr(signing, "_now", lambda: now() - round(late_s * 100_000))
+                for air in waters.airs:
+                    air.heard = [(peer, sign(peer, data)) for peer, data in air.heard]
+            return told
+
+        patch.setattr(waters, "wait", waited)
+
+    def command(self, key: bytes, action: str) -> tuple[int, str]:
+        words, air = io.StringIO(), Air(self.waters)
+        self.waters.airs.append(air)
+        station = Station([air], signer=Signer(key, 70), clock=self.waters)
+        status = perform(station, Wish(action), Console(file=words, width=120, highlight=False))
+        self.waters.airs.pop()
+        return status, words.getvalue()
+
+
+def test_a_stop_reaches_boats_whose_time_differs(
+    waters: Waters, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signed = Signed(waters, 120.0, monkeypatch)
+    clock = "boats 1, 2, 3 and 4: signed with this key, but the time differs by 120 s"
+    status, words = signed.command(KEY, "hold")
+    assert status == 1 and words.startswith(clock) and "timedatectl" in words
+    status, words = signed.command(KEY, "stop")
+    assert status == 1 and words.startswith("0 of 4 stopped and disarmed\nboat 1: no answer\n")
+    assert clock in words
+    assert waters.states == ["DISARMED"] * 4
+
+
+def test_who_signs_with_another_key_is_told_from_who_signs_at_another_time(
+    waters: Waters, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signed = Signed(waters, 0.0, monkeypatch)
+    assert signed.command(KEY, "hold")[0] == 0
+    status, words = signed.command(bytes(32), "stop")
+    assert status == 1 and words.startswith("no boat signs with this key")
+    assert waters.states == ["HOLD"] * 4
+
+
 def test_a_boat_that_restarts_is_armed_and_formed_again(waters: Waters) -> None:
     assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
     waters.fault(4, "restart")
@@ -265,6 +390,19 @@ def test_of_two_operators_the_newer_table_holds(waters: Waters) -> None:
     assert status == 0 and words.startswith("table 2 ")
 
 
+def test_a_table_is_in_force_only_with_boats_that_follow_its_leader(waters: Waters) -> None:
+    def beacon(fields: tuple[int, ...]) -> Beacon:
+        told = beacon_of(fields)
+        return told._replace(follows=1) if told.follows == 2 else told
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sil.fleet.station.beacon_of", beacon)
+        wish: dict[str, Any] = {"shape": "vee", "spacing_m": 4.0, "boats": (2, 1, 3, 4)}
+        status, words = waters.command(action="form", **wish)
+    assert status == 1 and words.startswith("table 1 is in force with 1 of 4 boats")
+    assert "boat 3: does not report that it follows boat 2" in words
+
+
 def test_acknowledgements_of_another_operators_orders_do_not_count(waters: Waters) -> None:
     one, other = waters.station(255), waters.station(254)
     other.run(2.0)
@@ -275,6 +413,16 @@ def test_acknowledgements_of_another_operators_orders_do_not_count(waters: Water
         4,
         0,
     ]
+
+
+def test_a_station_that_has_kept_as_many_answers_as_it_can_still_hears_them(
+    waters: Waters,
+) -> None:
+    station = waters.station()
+    station.run(2.0)
+    station.acks = [Ack(0.0, 1, 400, 0)] * 1001
+    assert all(answer.accepted for answer in carry_out(station, long(mode_request(HOLD)), BOATS))
+    assert all(answer.accepted for answer in stop(station, ()))
 
 
 def test_a_boat_that_obeys_one_station_alone_says_so(waters: Waters) -> None:
@@ -297,9 +445,9 @@ def test_nobody_there_is_told(waters: Waters) -> None:
         assert status == 1 and words.startswith("no boat is heard")
 
 
-def beat_of(system: int, component: int, kind: int) -> bytes:
+def beat_of(system: int, component: int, kind: int, autopilot: int = 8, base: int = 0) -> bytes:
     sender = mavlink.MAVLink(None, system, component)
-    frame: bytes = mavlink.MAVLink_heartbeat_message(kind, 8, 0, 0, 4, 3).pack(sender)
+    frame: bytes = mavlink.MAVLink_heartbeat_message(kind, autopilot, base, 0, 4, 3).pack(sender)
     return frame
 
 

@@ -187,6 +187,17 @@ def test_a_boat_that_does_not_obey_is_named(served: Served) -> None:
     assert served.ground.of("HEARTBEAT")[-1].system_status == mavlink.MAV_STATE_CRITICAL
 
 
+@pytest.mark.parametrize("silent_s", [6.0, 70.0])
+def test_a_silent_fleet_is_as_it_was_when_it_was_heard_last(
+    served: Served, silent_s: float
+) -> None:
+    served.waters.deaf.update(BOATS)
+    served.run(silent_s)
+    last = served.ground.of("HEARTBEAT")[-1]
+    assert (last.custom_mode, last.base_mode & 128) == (AUTO, 128)
+    assert last.system_status == mavlink.MAV_STATE_CRITICAL
+
+
 def test_a_beacon_of_nobody_leaves_the_fleet_as_it_is(served: Served) -> None:
     heard(served.waters, beacon_message(77, 1, 5))
     served.ground.mode(FORMATION)

@@ -4,6 +4,7 @@
 from collections.abc import Sequence
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.fleet.ends import End
 from sil.fleet.orders import stop
@@ -122,6 +123,40 @@ def test_a_boat_that_only_a_table_tells_of_is_stopped_and_named(waters: Waters) 
         1,
         ["3 of 4 stopped and disarmed", "boat 4: not heard, known only from the fleet table"],
     )
+
+
+def test_a_member_that_does_not_say_what_it_is_is_stopped_too(waters: Waters) -> None:
+    """A table of boat 2 lists it; its HEARTBEAT could be another Rover's."""
+    members = [Member(1, 0, (0.0, 0.0), 1.3), Member(9, 1, (-4.0, 0.0), 1.3)]
+    table, beat = table_message(1, members, sender=(2, 1)), rovers_beat(9)
+    status, words = waters.command(strange=[table, beat], action="stop")
+    assert status == 1
+    assert words.splitlines() == [
+        "4 of 5 stopped and disarmed",
+        "boat 9: no answer, and it is not heard",  # any more
+    ]
+
+
+def test_a_surface_boat_that_does_not_say_what_it_is_is_named(waters: Waters) -> None:
+    beat = rovers_beat(9)
+    status, words = waters.command(strange=[beat], action="stop")
+    assert (status, words.splitlines()) == (
+        1,
+        [
+            "4 of 4 stopped and disarmed",
+            "boat 9 is heard, but does not say that it runs Flotilla: --boats 9 stops it",
+        ],
+    )
+    status, words = waters.command(strange=[beat], action="stop", boats=(*BOATS, 9))
+    assert words.splitlines()[0] == "4 of 5 stopped and disarmed"
+    assert "Flotilla" not in words
+
+
+def rovers_beat(system: int) -> bytes:
+    """A HEARTBEAT of ArduPilot's, or of a boat with MAV_AUTOPILOT 1; armed, in HOLD."""
+    rover = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 129, 4, 4, 3)
+    frame: bytes = rover.pack(mavlink.MAVLink(None, system, 1))
+    return frame
 
 
 def test_a_strangers_table_adds_nobody(waters: Waters) -> None:

@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sil.cli.main import main
+from sil.logs import boats
 from sil.wire.dronecan import ESC_STATUS, EscStatus
 from sil.wire.dronecan_transfer import Publisher
 from sil.wire.geodesy import LocalFrame
@@ -136,6 +137,14 @@ def test_a_vessel_with_another_origin_is_in_the_frame_of_the_first(
     states = converted(log, tmp_path / "out.mcap")["/leader1/state"]
     for step, (_, state) in enumerate(some(states)):
         assert (state.x_m, state.y_m) == pytest.approx((100.0 + north_m(step), 52.0), abs=0.02)
+
+
+def test_a_folder_that_cannot_be_written_to_is_told_before_the_conversion(
+    log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(boats, "convert", lambda *_: pytest.fail("converted in vain"))
+    assert main(["convert", str(log), "--out", "/proc/out.mcap"]) == 2
+    assert_told_in_one_line("/proc/out.mcap: ", capsys)
 
 
 def test_what_was_said_over_two_links_is_told_once(log: Path, tmp_path: Path) -> None:

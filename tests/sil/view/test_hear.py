@@ -4,11 +4,13 @@
 import asyncio
 import os
 import pty
+import re
 import socket
 import tty
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 from pymavlink import mavutil
 
@@ -110,6 +112,29 @@ def test_a_server_is_heard_tried_again_and_told_nothing() -> None:
     assert set(asyncio.run(run())) == {b""}
 
 
+def test_a_server_that_vanishes_without_a_word_is_noticed() -> None:
+    port = free_port()
+    writers: list[asyncio.StreamWriter] = []
+
+    def say() -> None:
+        """Say something as soon as the listener's connection probes whether the server is there."""
+        for end in psutil.Process().net_connections("tcp4"):
+            if end.raddr and end.raddr.port == port:
+                with socket.socket(fileno=os.dup(end.fd)) as connection:
+                    if connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE):
+                        writers[0].write(said(1, BEAT))
+
+    async def run() -> None:
+        def serve(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            writers.append(writer)
+
+        async with await asyncio.start_server(serve, LOOPBACK, port):
+            await heard(Listener(f"tcp:{LOOPBACK}:{port}"), say, {1})
+            writers[0].close()
+
+    asyncio.run(run())
+
+
 def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
     master, slave = pty.openpty()
     tty.setraw(master)
@@ -138,6 +163,7 @@ def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
         "udpin:127.0.0.1",
         "udpin:127.0.0.1:0",
         "udpin:127.0.0.1:65536",
+        "udpin:[::1]:14550",
         "tcp:x",
         "mcast:1",
         "mcast:127.0.0.1:14550",
@@ -147,7 +173,7 @@ def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
     ],
 )
 def test_an_invalid_address_is_told(address: str) -> None:
-    with pytest.raises(ValueError, match=f'^"{address}": '):
+    with pytest.raises(ValueError, match=f'^"{re.escape(address)}": '):
         Listener(address)
 
 

@@ -14,6 +14,7 @@ from sil.scenario.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM
 from sil.view.seen_fleet import FORGOTTEN_S
 from sil.wire.geodesy import LocalFrame
 from tests.dialect import dialect
+from tests.sil.fleet.waters import beacon_message
 from tests.sil.view.feed import (
     BEAT,
     VIRTUAL,
@@ -212,6 +213,26 @@ def test_a_boat_that_calls_itself_ardupilots_is_told_by_its_conditions() -> None
     view.hear(said(7, rover, value("COND", ALL), rover), 0.0)
     vessel = view.by_id(0.0)[7]
     assert (vessel["kind"], vessel["state"]) == ("boat", "HOLD")
+
+
+@pytest.mark.parametrize(
+    ("words", "kind"),
+    [
+        (said(7, value("COND", ALL)), "boat"),
+        (said(7, value("SEP_M", 3.0)), "boat"),
+        (beacon_message(7, 1, 5), "boat"),
+        (said(7, value("DEPTH", 1.0)), "vessel"),  # another firmware's echo sounder
+        (said(7, value("COND", ALL), component=220), "vessel"),
+    ],
+    ids=["COND", "SEP_M", "beacon", "DEPTH", "another component"],
+)
+def test_who_has_once_said_what_only_a_flotilla_says_stays_one(words: bytes, kind: str) -> None:
+    view = Listening()
+    rover = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 129, 4, 4, 3)
+    view.hear(words, 0.0)
+    for t_s in range(1, 30):
+        view.hear(said(7, rover), float(t_s))
+        assert view.by_id(float(t_s))[7]["kind"] == kind
 
 
 def test_a_boats_navigation_unit_with_its_system_id_is_not_the_boat() -> None:

@@ -3,7 +3,7 @@
 
 import flotilla
 
-from sil.view.states import held_by
+from sil.view.states import held_by, keep_from_arming
 
 BITS = {c["name"]: 1 << c["bit"] for c in flotilla.supervisor_conditions()}
 ALL = sum(BITS.values())
@@ -20,6 +20,12 @@ def test_what_holds_a_boat_is_what_formation_needs_in_the_boats_own_words() -> N
     assert held_by(sticks, "HOLD") == ()
     saved = ALL & ~BITS["parameters_saved"]
     assert held_by(saved, "HOLD") == () and held_by(saved, "DISARMED")
+
+
+def test_what_keeps_a_boat_from_arming_is_told_apart() -> None:
+    assert keep_from_arming(ALL) == ()
+    for name, kept in (("escs_online", True), ("parameters_saved", True), ("own_fresh", False)):
+        assert bool(keep_from_arming(ALL & ~BITS[name])) == kept
 
 
 def test_numbers_of_conditions_that_there_are_not_say_nothing() -> None:

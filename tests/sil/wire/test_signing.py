@@ -64,6 +64,14 @@ def test_a_message_older_than_a_minute_is_not_taken() -> None:
     assert not Signer(KEY, 70).verifies(beat(pymavlink(late_s=70.0)))
 
 
+def test_an_old_message_with_the_key_is_told_from_one_with_another() -> None:
+    ours = Signer(KEY, 70)
+    assert ours.late_s(beat(pymavlink(late_s=120.0))) == pytest.approx(120.0, abs=5.0)
+    assert ours.late_s(beat(pymavlink(late_s=50.0))) is None
+    assert ours.late_s(beat(pymavlink(bytes(32), late_s=120.0))) is None
+    assert ours.late_s(unsigned()) is None
+
+
 def test_each_sender_and_link_has_its_own_time() -> None:
     ours = Signer(KEY, 70)
     assert ours.verifies(beat(pymavlink(link=1)))
