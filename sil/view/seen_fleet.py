@@ -32,8 +32,9 @@ class Fleet:
     """Vessels by system id; at most 255.
 
     The view's frame has the first origin that is received; it moves when all vessels now heard are
-    more than 50 km away. A vessel is dropped after 60 s of silence. `length_m`: length of the
-    boats, which they do not send. `plans`: theirs.
+    more than 50 km away. A boat is never dropped for its silence: where it was last is where to
+    look for it. Other vessels are, after 60 s. `length_m`: length of the boats, which they do not
+    send. `plans`: theirs.
     """
 
     def __init__(self, length_m: float) -> None:
@@ -76,7 +77,7 @@ class Fleet:
     def vessels(self, now_s: float) -> list[dict[str, Any]]:
         """The vessels of a frame for the page, sorted by id; unknown values are None."""
         for vessel in tuple(self.systems.values()):
-            if now_s - vessel.heard_s > FORGOTTEN_S:
+            if vessel.kind != "boat" and now_s - vessel.heard_s > FORGOTTEN_S:
                 del self.systems[vessel.system]
                 self._slots.pop(vessel.system, None)
                 self.plans.forget(vessel.system)

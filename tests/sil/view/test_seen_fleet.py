@@ -166,12 +166,14 @@ def test_what_a_boat_does_not_tell_any_more_is_not_known() -> None:
     assert vessel["error_m"] is None and vessel["slot"] is None and vessel["x_m"] == 0.0
 
 
-def test_a_silent_vessel_stays_with_its_age_and_what_it_said_last_then_is_dropped() -> None:
+def test_a_silent_boat_stays_with_its_age_and_what_it_said_last_other_vessels_are_dropped() -> None:
     view = Listening()
-    view.hear(boat(2) + said(2, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
-    vessel = view.by_id(30.0)[2]
-    assert (vessel["link_age_s"], vessel["error_m"], vessel["state"]) == (30.0, 5.0, "FORMATION")
-    assert view.fleet.vessels(FORGOTTEN_S + 0.1) == []
+    view.hear(boat(2, 7.0) + said(2, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
+    view.hear(said(100, VIRTUAL, local(1.0, 1.0)), 0.0)
+    assert list(view.by_id(FORGOTTEN_S)) == [2, 100]
+    (vessel,) = view.fleet.vessels(3600.0)
+    assert (vessel["link_age_s"], vessel["error_m"], vessel["state"]) == (3600.0, 5.0, "FORMATION")
+    assert (vessel["x_m"], vessel["place_age_s"]) == (7.0, 3600.0)
 
 
 def test_what_holds_a_boat_is_told_in_its_words() -> None:

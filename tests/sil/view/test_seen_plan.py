@@ -141,8 +141,11 @@ def test_the_item_ahead_is_told() -> None:
     assert vessel["item"] == 2
 
 
-def test_a_fleet_that_was_silent_has_no_plan_any_more() -> None:
+def test_a_silent_boat_keeps_its_plan_and_a_vessel_that_is_forgotten_does_not() -> None:
     fleet = heard(UPLOAD)
+    assert len(fleet.vessels(62.0)) == 1 and plan_of(fleet) == way()
+    px4 = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_PX4, 1, 0, 3, 3)
+    fleet = heard([(px4, BOAT), *UPLOAD])
     assert fleet.vessels(62.0) == [] and fleet.drawn_plans() == {}
 
 
