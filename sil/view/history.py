@@ -5,8 +5,9 @@ A history is `{"title", "t_s", "vessels": [{"id", "kind", "length_m", "limits_N"
 Quantities that change are columns of the same length as `t_s`: base64 of little-endian float32, NaN
 if unknown; a column without any known value is absent. `states`, `held`, `texts`, `plans` (see
 `sil.view.seen_plan.drawn`) and `items` (the one ahead) are lists of [t_s, value], each value valid
-from its time on. `origin_deg`, if known: latitude and longitude of the origin of all positions.
-`plan_of`: if the first vessel is the plan of a boat that leads, that boat's id.
+from its time on, None if unknown again. `origin_deg`, if known: latitude and longitude of the
+origin of all positions. `plan_of`: if the first vessel is the plan of a boat that leads, that
+boat's id.
 """
 
 import base64

@@ -135,7 +135,7 @@ class Fleet:
             "thrust_N": _pair(thrust),
             "limits_N": _pair(limits),
             "item": self.plans.item.get(vessel.system),
-            "state": vessel.state if at_s - vessel.beat_s <= SILENT_S else None,
+            "state": vessel.state,
             "held": vessel.held(),
             "text": vessel.texts.last or None,
             "link_age_s": round(max(0.0, now_s - at_s), 2),

@@ -11,7 +11,7 @@ import numpy as np
 from sil.view.aboard import ESC_NUMBERS
 from sil.view.changes import Changes
 from sil.view.history import COLUMNS, LENGTH_M, SIDES, column, most_samples
-from sil.view.seen_fleet import Fleet
+from sil.view.seen_fleet import FORGOTTEN_S, Fleet
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.mavlink_ear import Ear, Message
@@ -29,6 +29,7 @@ _PLACES = {
 }
 _ESCS = {f"{s}_{name}": (side, name) for side, s in enumerate(SIDES) for name in ESC_NUMBERS}
 _NOTHING = [nan] * len(COLUMNS)
+_FORGOTTEN = [FORGOTTEN_S if name == "link_age_s" else nan for name in COLUMNS]
 Told = dict[str, Any]
 
 
@@ -100,7 +101,7 @@ class Watch:
 
     def _look(self, t_s: float) -> None:
         for vessel in self._fleet.vessels(t_s):
-            self._told.setdefault(vessel["id"], _Told()).look(len(self.times), vessel)
+            self._told.setdefault(vessel["id"], _Told()).look(len(self.times), t_s, vessel)
         self.times.append(t_s)
         if len(self.times) >= most_samples(max(1, len(self._told))):
             self._step_s *= 2.0
@@ -120,9 +121,10 @@ class _Told:
         self._states, self._held, self._texts = Changes(), Changes(), Changes()
         self.plans, self.items = Changes(), Changes()
 
-    def look(self, index: int, vessel: Told) -> None:
+    def look(self, index: int, t_s: float, vessel: Told) -> None:
         """Add the sample with this index."""
         self._fill(index)
+        self._states.note(t_s, vessel["state"])
         self._rows.append([_number(vessel, name) for name in COLUMNS])
         self.last = vessel
         self._leader = self._leader if vessel["leader"] is None else vessel["leader"]
@@ -156,7 +158,8 @@ class _Told:
         }
 
     def _fill(self, samples: int) -> None:
-        self._rows += [_NOTHING] * (samples - len(self._rows))
+        """Fill a gap: unheard before its first sample, then forgotten for its silence."""
+        self._rows += [_FORGOTTEN if self.last else _NOTHING] * (samples - len(self._rows))
 
 
 def _number(vessel: Told, column_name: str) -> float:

@@ -33,10 +33,10 @@ class Vessel:
         self.messages = 0
         self.heard_s = self.beat_s = 0.0
         self.kind: str | None = None
-        self.state: str | None = None
         self.texts = Texts()
         self.motion = Motion()
         self.aboard = Aboard()
+        self._state: str | None = None
         self._main = 256
         self._is_companion = False  # a Flotilla beside another autopilot
         self._boot_ms = 0
@@ -65,6 +65,11 @@ class Vessel:
             if self.aboard.value("COND", now_s) is not None:
                 self._is_companion = True
 
+    @property
+    def state(self) -> str | None:
+        """A boat's state; None if its last HEARTBEAT was 5 s before its last message."""
+        return self._state if self.heard_s - self.beat_s <= _SLOW_S else None
+
     def value(self, name: str) -> float | None:
         """A NAMED_VALUE_FLOAT that was still valid at the vessel's last message."""
         return self.aboard.value(name, self.heard_s)
@@ -78,9 +83,9 @@ class Vessel:
         """The boat's messages for the conditions that keep it out of FORMATION."""
         told = [self.value(name) for name in ("COND", "COND2")]
         halves = [int(half) for half in told if half is not None and 0 <= half < 1 << 24]
-        if self.state is None or len(halves) < len(told):
+        if self._state is None or len(halves) < len(told):
             return ()
-        return states.held_by(halves[0] | halves[1] << 24, self.state)
+        return states.held_by(halves[0] | halves[1] << 24, self._state)
 
     def _beat(self, component: int, f: tuple[Any, ...], now_s: float) -> None:
         custom_mode, kind, autopilot, base_mode, status = f[:5]
@@ -105,7 +110,7 @@ class Vessel:
             self.kind = "boat" if ours else "vessel"
         self.beat_s = now_s
         is_boat = self.kind == "boat"
-        self.state = state_of(custom_mode, base_mode, status) if is_boat else None
+        self._state = state_of(custom_mode, base_mode, status) if is_boat else None
 
     def _look_at_clock(self, boot_ms: int) -> None:
         """Drop all values from before a restart of the vessel."""

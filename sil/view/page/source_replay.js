@@ -84,6 +84,7 @@ class ReplaySource {
     };
     const both = (one, other) => (known(one) && known(other) ? [one, other] : null);
     const values = Object.fromEntries(CHANGING.map((name) => [name, at(name)]));
+    const state = holding(vessel.states, this.t_s, undefined); // null: not known any more
     const escs = ESCS.map((esc) => Object.fromEntries(esc.map(([name, column]) => [name, values[column]])));
     return {
       id: vessel.id, key: vessel.key, kind: vessel.kind, leader: vessel.leader ?? null,
@@ -92,7 +93,8 @@ class ReplaySource {
       escs: escs.some((esc) => Object.values(esc).some(known)) ? escs : [],
       slot: both(values.slot_x_m, values.slot_y_m),
       thrust_N: both(values.thrust_port_N, values.thrust_stbd_N),
-      state: holding(vessel.states, this.t_s, null),
+      state: state ?? null,
+      stateLost: vessel.kind === "boat" && state === null && !isSilent(values),
       held: holding(vessel.held, this.t_s, []),
       text: holding(vessel.texts, this.t_s, null),
       plan: holding(vessel.plans, this.t_s, null),

@@ -265,6 +265,18 @@ def test_replay_fits_a_phone_also_inside_a_report(
     assert browser.run(tools, "measure") <= browser.run(tools, "plan-box")
 
 
+def test_a_boat_of_unknown_state_is_in_trouble(browser: Browser, tmp_path: Path) -> None:
+    told = history.of_trace(trace(), "a run")
+    told["vessels"][1]["states"] = [[0.0, "FORMATION"], [50.0, None], [80.0, "FORMATION"]]
+    path = tmp_path / "run.html"
+    path.write_text(page.page_with(told, "a run"), encoding="utf-8")
+    standing(browser, path)
+    line = "return document.getElementById('line-troubles').textContent === arguments[0]"
+    for t_s, wanted in ((40.0, "none"), (60.0, "1"), (90.0, "none")):
+        seek(browser, t_s)
+        browser.until(line, f"{wanted} in trouble")
+
+
 def test_a_silent_boat_has_no_line_in_the_plots(browser: Browser, tmp_path: Path) -> None:
     told = history.of_trace(trace(), "a run")
     ages = np.maximum(0.0, history.numbers(told["t_s"]) - 40.0)

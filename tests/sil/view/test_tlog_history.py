@@ -13,10 +13,11 @@ from pymavlink import mavutil
 from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.view.history import MOST_SAMPLES, numbers
+from sil.view.seen_fleet import FORGOTTEN_S
 from sil.view.tlog_history import history_of_tlog, messages_of
 from sil.wire.mavlink_frames import frames
 from sil.wire.tlog import packets
-from tests.sil.view.feed import BEAT, attitude, local, said, sail_and_look
+from tests.sil.view.feed import BEAT, VIRTUAL, attitude, local, said, sail_and_look, value
 
 START_US = 1_700_000_000_000_000
 DURATION_S = 30
@@ -158,6 +159,31 @@ def test_a_boat_that_comes_late_and_goes_is_unknown_before_and_silent_after(tmp_
     assert np.isnan(x_m[t_s < 20.5]).all() and (x_m[t_s > 22] == 1.0).all()
     ages_s = numbers(by_id(history)[2]["link_age_s"])
     np.testing.assert_allclose(ages_s[t_s > 40], t_s[t_s > 40] - 39.0, atol=0.02)
+
+
+def logged(path: Path, told: list[tuple[int, bytes]]) -> dict[str, Any]:
+    """The history of a log of messages at given seconds."""
+    path.write_bytes(b"".join(record(START_US + 1_000_000 * t_s, data) for t_s, data in told))
+    return history_of_tlog(path)
+
+
+def test_a_leader_that_is_forgotten_stays_silent_until_it_is_heard_again(tmp_path: Path) -> None:
+    told = [(t_s, said(1, BEAT)) for t_s in range(200)]
+    told += [(t_s, said(100, VIRTUAL, local(1.0, 1.0))) for t_s in (5, 150)]
+    history = logged(tmp_path / "gap.tlog", sorted(told))
+    t_s, ages_s = numbers(history["t_s"]), numbers(by_id(history)[100]["link_age_s"])
+    assert np.isnan(ages_s[t_s < 5.0]).all()
+    assert (ages_s[(t_s > 10.1) & (t_s < 149.9)] > 5.0).all()
+    assert (ages_s[(t_s > 66.0) & (t_s < 149.9)] == FORGOTTEN_S).all()
+    assert (ages_s[(t_s > 150.5) & (t_s < 154.0)] < 5.0).all()
+
+
+def test_the_state_of_a_boat_that_lost_its_heartbeat_alone_is_unknown(tmp_path: Path) -> None:
+    told = [(t_s, said(1, BEAT)) for t_s in range(11)]
+    told += [(t_s, said(1, value("E_X", 0.0))) for t_s in range(30)]
+    (known, lost) = logged(tmp_path / "beat.tlog", sorted(told))["vessels"][0]["states"]
+    assert known == [0.0, "FORMATION"]
+    assert lost == [pytest.approx(16.0, abs=0.5), None]
 
 
 @pytest.mark.parametrize("content", [b"", b"no log at all", bytes(1000), b"\xfd" * 1000])
