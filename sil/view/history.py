@@ -38,6 +38,7 @@ COLUMNS = (
     "slot_y_m",
     "error_m",
     "in_slot",
+    "conditions_lost_s",
     "thrust_port_N",
     "thrust_stbd_N",
     "link_age_s",

@@ -137,6 +137,7 @@ class Fleet:
             "item": self.plans.item.get(vessel.system),
             "state": vessel.state,
             "held": vessel.held(),
+            "conditions_lost_s": _round(vessel.conditions_lost_s(), 1),
             "text": vessel.texts.last or None,
             "link_age_s": round(max(0.0, now_s - at_s), 2),
             "leader_age_s": _round(value("LEAD_AGE"), 3),
@@ -217,7 +218,7 @@ class Fleet:
         motion = vessel.motion
         if motion.slot is None:
             return None
-        return self._seen(Place(motion.slot_s, False, *motion.slot), None, motion.origin)
+        return self._seen(Place(0.0, False, *motion.slot), None, motion.origin)
 
     def _leader_pose(self, vessel: Vessel, now_s: float) -> Pose | None:
         number = vessel.value("LEADER")

@@ -15,6 +15,7 @@ from sil.wire.texts import Texts
 
 _SLOW_S = 5.0
 _RESTARTED_MS = 1000
+_CONDITIONS = "COND", "COND2"
 _AUTOPILOT: int = mavlink.MAV_COMP_ID_AUTOPILOT1
 _COMPANION: int = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
 _NO_VESSELS = {mavlink.MAV_TYPE_GCS, mavlink.MAV_TYPE_ADSB, mavlink.MAV_TYPE_ONBOARD_CONTROLLER}
@@ -77,15 +78,20 @@ class Vessel:
     def slot_is_told(self) -> bool:
         """Whether its slot was still valid at the vessel's last message."""
         motion = self.motion
-        return motion.slot is not None and self.heard_s - motion.slot_s < _SLOW_S
+        return motion.slot is not None and self.heard_s <= motion.slot_valid.until_s
 
     def held(self) -> tuple[str, ...]:
         """The boat's messages for the conditions that keep it out of FORMATION."""
-        told = [self.value(name) for name in ("COND", "COND2")]
+        told = [self.value(name) for name in _CONDITIONS]
         halves = [int(half) for half in told if half is not None and 0 <= half < 1 << 24]
         if self._state is None or len(halves) < len(told):
             return ()
         return states.held_by(halves[0] | halves[1] << 24, self._state)
+
+    def conditions_lost_s(self) -> float | None:
+        """How long ago it told its conditions, if they are known no more; else None."""
+        lost = [self.aboard.lost_s(name, self.heard_s) for name in _CONDITIONS]
+        return max((age_s for age_s in lost if age_s is not None), default=None)
 
     def _beat(self, component: int, f: tuple[Any, ...], now_s: float) -> None:
         custom_mode, kind, autopilot, base_mode, status = f[:5]

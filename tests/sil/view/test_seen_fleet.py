@@ -133,6 +133,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
         "item": None,
         "state": "FORMATION",
         "held": (),
+        "conditions_lost_s": None,
         "text": "FORMATION",
         "link_age_s": 0.5,
         "leader_age_s": 0.25,
@@ -160,10 +161,30 @@ def test_zeros_of_an_esc_that_is_not_online_are_no_measurements() -> None:
 
 def test_what_a_boat_does_not_tell_any_more_is_not_known() -> None:
     view = Listening()
-    view.hear(boat(2) + said(2, slot(1.0, 2.0), value("E_X", 1.0), value("E_Y", 0.0)), 0.0)
+    for t_s in (0.0, 1.0):
+        view.hear(boat(2) + said(2, slot(1.0, 2.0), value("E_X", 1.0), value("E_Y", 0.0)), t_s)
     view.hear(boat(2), 8.0)
     vessel = view.by_id(8.0)[2]
     assert vessel["error_m"] is None and vessel["slot"] is None and vessel["x_m"] == 0.0
+
+
+def test_slow_telemetry_is_known_between_its_messages_and_its_end_is_a_trouble() -> None:
+    view = Listening()
+    holds = mavlink.MAVLink_heartbeat_message(11, 0, 137, 4, 4, 3)
+    battery = mavlink.MAVLink_sys_status_message(0, 0, 0, 0, 23900, -1, -1, 0, 0, 0, 0, 0, 0)
+    slow = [value("COND", 0.0), value("COND2", 0.0), value("IN_SLOT", 1.0), battery, slot(1.0, 2.0)]
+    for t_s in range(120):
+        view.hear(boat(2) + said(2, holds), t_s)
+        if t_s % 10 == 0 and t_s <= 60:
+            view.hear(said(2, *slow), t_s)
+            view.hear(said(2, *slow), t_s + 0.1)  # the same over another link
+        vessel = view.by_id(t_s + 0.2)[2]
+        assert vessel["state"] == "HOLD"
+        known = [vessel[name] for name in ("held", "in_slot", "battery_V", "slot")]
+        if t_s <= 80:
+            assert all(known) and vessel["conditions_lost_s"] is None
+        elif t_s >= 90:
+            assert not any(known) and vessel["conditions_lost_s"] == t_s - 60
 
 
 def test_a_silent_boat_stays_with_its_age_and_what_it_said_last_other_vessels_are_dropped() -> None:
