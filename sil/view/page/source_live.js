@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The live source: frames from the view's WebSocket. Counts and ignores invalid ones.
-const SILENT_MS = 3000;
+const SILENT_MS = 3000, LOAD_MS = 30000;
 const RETRY_MS = [250, 500, 1000, 2000];
 const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "conditions_lost_s", "link_age_s", "place_age_s", "leader_age_s", "battery_V", "item"];
 const STATES = CONFIG.supervisor.states;
@@ -67,14 +67,34 @@ class LiveSource {
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     url.hash = url.search = "";
     const socket = new WebSocket(url);
-    socket.onopen = () => this.say("warn", "connected, waiting for the first frame");
-    socket.onmessage = (event) => this.take(event.data);
-    socket.onclose = () => {
-      clearTimeout(this.watchdog);
-      this.say("bad", "connection to the view lost, trying again");
-      setTimeout(() => this.connect(), RETRY_MS[Math.min(this.tries++, RETRY_MS.length - 1)]);
+    socket.onopen = () => {
+      this.watch();
+      // after a loss, the frame shown is old until the first new one
+      this.say(this.cut ? "bad" : "warn", "connected, waiting for the first frame");
     };
+    socket.onmessage = (event) => this.take(event.data);
+    socket.onclose = () => this.renew("connection to the view lost, trying again");
     this.socket = socket;
+    this.watch();
+  }
+
+  /** Renews the connection unless a frame arrives within 3 s. */
+  watch() {
+    clearTimeout(this.watchdog);
+    this.watchdog = setTimeout(() => this.renew("the view says nothing any more, trying again"), SILENT_MS);
+  }
+
+  /** Replaces the connection; a half-open one would take a minute to close. */
+  renew(why) {
+    this.drop();
+    this.say("bad", why);
+    setTimeout(() => this.connect(), RETRY_MS[Math.min(this.tries++, RETRY_MS.length - 1)]);
+  }
+
+  drop() {
+    clearTimeout(this.watchdog);
+    this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+    this.socket.close();
   }
 
   say(kind, text) {
@@ -89,12 +109,11 @@ class LiveSource {
       this.garbage += 1;
       return;
     }
-    clearTimeout(this.watchdog);
-    this.watchdog = setTimeout(() => this.say("bad", "the view says nothing any more"), SILENT_MS);
     if (frame.over) {
       this.end();
       return;
     }
+    this.watch();
     this.tries = 0;
     this.frames += 1;
     this.status = ["good", "live"];
@@ -122,9 +141,16 @@ class LiveSource {
 
   /** The server has stopped listening: continue as a replay. */
   async end() {
-    this.socket.onclose = null;
-    this.socket.close();
-    this.over(await (await fetch("history")).json());
+    this.drop();
+    this.say("bad", "the view has ended, loading what it heard");
+    let history;
+    try {
+      history = await (await fetch("history", { signal: AbortSignal.timeout(LOAD_MS) })).json();
+    } catch {
+      this.renew("what the view heard cannot be loaded, trying again");
+      return;
+    }
+    this.over(history);
   }
 
   track(key) {

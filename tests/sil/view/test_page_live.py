@@ -265,6 +265,20 @@ def test_page_says_that_the_view_went_away_and_goes_on_when_it_is_back(browser: 
     browser.forget()
 
 
+def test_connection_that_says_nothing_is_renewed_and_its_old_frame_stays_dimmed(
+    browser: Browser, four: Feeder
+) -> None:
+    shown(browser, four)
+    four.frames = lambda _: None
+    connected = "flotilla.source.status[1].startsWith('connected')"
+    cut = "document.body.classList.contains('cut')"
+    assert browser.until(f"return {connected} && {cut} && [flotilla.source.cut]") == [True]
+    assert sum(url.startswith("ws") for url in browser.asked_for()) > 1
+    assert not browser.run("return document.getElementById('alarm').hidden")
+    four.frames = fleet(4)
+    browser.until(f"return !{cut} && !flotilla.source.cut")
+
+
 @pytest.mark.parametrize("message", GARBAGE, ids=range(len(GARBAGE)))
 def test_garbage_is_counted_and_the_fleet_goes_on(
     browser: Browser, four: Feeder, message: str | bytes
