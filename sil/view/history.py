@@ -39,6 +39,7 @@ COLUMNS = (
     "error_m",
     "in_slot",
     "conditions_lost_s",
+    "senders",
     "thrust_port_N",
     "thrust_stbd_N",
     "link_age_s",

@@ -121,6 +121,7 @@ class Fleet:
         return {
             "id": vessel.system,
             "kind": vessel.kind,
+            "senders": vessel.senders(),
             "x_m": _round(pose and pose.x, 3),
             "y_m": _round(pose and pose.y, 3),
             "place_age_s": None if place is None else round(max(0.0, now_s - place.t_s), 2),

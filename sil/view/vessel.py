@@ -7,6 +7,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.view import states
 from sil.view.aboard import Aboard
+from sil.view.clocks import Clocks
 from sil.view.seen_motion import Motion
 from sil.wire import mavlink_messages as messages
 from sil.wire.heartbeat import state_of
@@ -14,7 +15,6 @@ from sil.wire.mavlink_ear import Message
 from sil.wire.texts import Texts
 
 _SLOW_S = 5.0
-_RESTARTED_MS = 1000
 _CONDITIONS = "COND", "COND2"
 _AUTOPILOT: int = mavlink.MAV_COMP_ID_AUTOPILOT1
 _COMPANION: int = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
@@ -40,7 +40,8 @@ class Vessel:
         self._state: str | None = None
         self._main = 256
         self._is_companion = False  # a Flotilla beside another autopilot
-        self._boot_ms = 0
+        self._clocks = Clocks()
+        self._anew: tuple[Motion, Aboard] | None = None  # what another clock's sender has told
 
     def hear(self, message: Message, now_s: float) -> None:
         """Process a message of this system."""
@@ -58,9 +59,9 @@ class Vessel:
             self.texts.hear(component, piece, text, chunk, now_s)
         elif component == self._main:
             if number == messages.ATTITUDE:
-                self._look_at_clock(fields[0])
-            self.motion.hear(number, fields, now_s)
-            self.aboard.hear(number, fields, now_s)
+                self._look_at_clock(fields[0], now_s)
+            for part in (self.motion, self.aboard, *(self._anew or ())):
+                part.hear(number, fields, now_s)
         elif component == _COMPANION:
             self.aboard.hear(number, fields, now_s)
             if self.aboard.value("COND", now_s) is not None:
@@ -93,6 +94,10 @@ class Vessel:
         lost = [self.aboard.lost_s(name, self.heard_s) for name in _CONDITIONS]
         return max((age_s for age_s in lost if age_s is not None), default=None)
 
+    def senders(self) -> int | None:
+        """2 if two vessels use its system id; else None."""
+        return 2 if self._clocks.are_two(self.heard_s) else None
+
     def _beat(self, component: int, f: tuple[Any, ...], now_s: float) -> None:
         custom_mode, kind, autopilot, base_mode, status = f[:5]
         if self._is_companion:
@@ -118,8 +123,11 @@ class Vessel:
         is_boat = self.kind == "boat"
         self._state = state_of(custom_mode, base_mode, status) if is_boat else None
 
-    def _look_at_clock(self, boot_ms: int) -> None:
+    def _look_at_clock(self, boot_ms: int, now_s: float) -> None:
         """Drop all values from before a restart of the vessel."""
-        if boot_ms + _RESTARTED_MS < self._boot_ms:
-            self.motion, self.aboard = Motion(), Aboard()
-        self._boot_ms = boot_ms
+        if self._clocks.hear(boot_ms, now_s) and self._anew is not None:
+            self.motion, self.aboard = self._anew
+        if self._clocks.strange == 0:
+            self._anew = None
+        elif self._clocks.strange == 1:
+            self._anew = Motion(), Aboard()

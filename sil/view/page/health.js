@@ -27,6 +27,7 @@ function troublesOf(vessel) {
     const told = vessel.text?.startsWith(`${vessel.state}: `);
     out.push(told ? vessel.text.slice(vessel.state.length + 2) : vessel.state === "FAULT" ? "it reports a fault and gives no reason" : "it coasts and gives no reason");
   }
+  if (vessel.senders > 1) out.push(`two vessels use system id ${vessel.id}`);
   if (asked && known(vessel.conditions_lost_s)) out.push(`conditions unknown for ${age(vessel.conditions_lost_s)}`);
   if (isElsewhere(vessel)) out.push(`position unknown: last heard ${age(vessel.place_age_s)} ago`);
   if (vessel.close) out.push(`${metres(vessel.close.apart_m)} from boat ${vessel.close.near.id}: nearer than a hull's length`);

@@ -20,7 +20,7 @@ function holding(list, s, otherwise) {
 
 const ESCS = SIDES.map((side) => ESC_CELLS.map(([name]) => [name, `${side}_${name}`]));
 const CHANGING = [
-  "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m", "in_slot", "conditions_lost_s",
+  "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m", "in_slot", "conditions_lost_s", "senders",
   "thrust_port_N", "thrust_stbd_N", "link_age_s", "place_age_s", "leader_age_s", "battery_V",
   ...ESCS.flatMap((esc) => esc.map(([, column]) => column)),
 ];

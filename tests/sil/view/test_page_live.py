@@ -172,13 +172,14 @@ def test_what_is_told_no_more_is_unknown(browser: Browser, four: Feeder) -> None
     assert told["battery"] == told["speed"] == "unknown" and told["heading"].endswith("°")
 
 
-def test_a_boat_that_tells_its_conditions_no_more_is_in_trouble(
+def test_a_boat_without_conditions_and_one_whose_id_is_anothers_too_are_in_trouble(
     browser: Browser, four: Feeder
 ) -> None:
     lost = {"state": "HOLD", "conditions_lost_s": 41.0}
-    shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s, **lost), boat(2, t_s)]))
+    shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s, **lost), boat(2, t_s, senders=2)]))
     browser.until(f"{CARD} return card?.classList.contains('trouble')", "Boat 1")
     assert word(browser, "Boat 1", ".held") == "conditions unknown for 41 s"
+    assert word(browser, "Boat 2", ".held") == "two vessels use system id 2"
 
 
 def test_source_that_is_not_heard_is_told_in_red(browser: Browser, four: Feeder) -> None:

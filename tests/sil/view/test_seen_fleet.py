@@ -117,6 +117,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
     assert vessel == {
         "id": 2,
         "kind": "boat",
+        "senders": None,
         "x_m": 7.0,
         "y_m": 2.0,
         "place_age_s": 0.5,
@@ -305,14 +306,37 @@ def test_a_boat_that_was_started_again_has_told_nothing_of_before() -> None:
     view = Listening()
     before = said(1, BEAT, origin(*ORIGIN), attitude(0.5, 90_000), local(1.0, 1.0), slot(5.0, 5.0))
     view.hear(before + said(1, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
-    view.hear(said(1, attitude(0.1, 50)), 0.5)
-    vessel = view.by_id(0.5)[1]
-    assert (vessel["error_m"], vessel["x_m"], vessel["slot"], vessel["psi_rad"]) == (
-        None,
-        None,
-        None,
-        0.1,
-    )
+    for step in range(12):
+        told = origin(1, 2) if step == 0 else local(9.0, 9.0) if step == 1 else value("T_MAX", 1.0)
+        view.hear(said(1, attitude(0.1, 50 + 100 * step), told), 0.5 + 0.1 * step)
+    vessel = view.by_id(1.6)[1]
+    assert (vessel["error_m"], vessel["slot"], vessel["psi_rad"]) == (None, None, 0.1)
+    assert view.fleet.systems[1].motion.origin == (1, 2, 0)
+    assert view.fleet.systems[1].motion.place is not None
+
+
+def test_a_late_message_takes_no_boat_off_the_map_and_clears_no_trouble() -> None:
+    view = Listening()
+    holds = mavlink.MAVLink_heartbeat_message(11, 0, 137, 4, 4, 3)
+    view.hear(said(1, holds, origin(*ORIGIN), local(7.0, 2.0)), 0.0)
+    view.hear(said(1, value("COND", 0.0), value("COND2", 0.0)), 0.0)
+    for step in range(50):
+        late_s = 4.0 if step % 20 < 3 else 0.0  # three that a radio has held back
+        view.hear(said(1, attitude(0.5, 90_000 + 100 * step - int(1000 * late_s))), 0.1 * step)
+        vessel = view.by_id(0.1 * step)[1]
+        assert vessel["x_m"] == 7.0 and vessel["held"] and vessel["senders"] is None
+
+
+def test_two_boats_with_one_id_are_told_and_stay_on_the_map() -> None:
+    view = Listening()
+    view.hear(said(1, BEAT, origin(*ORIGIN), local(7.0, 2.0)), 0.0)
+    for step in range(320):
+        both = step < 200
+        boot_ms = 100 * step + 90_000 * (both and step % 2)
+        view.hear(said(1, attitude(0.5, boot_ms)), 0.1 * step)
+        vessel = view.by_id(0.1 * step)[1]
+        assert vessel["x_m"] == 7.0 and (vessel["senders"] == 2 or not both or step < 10)
+    assert vessel["senders"] is None
 
 
 @pytest.mark.parametrize("after_s", [3.0, 10.0, 120.0])
