@@ -212,6 +212,30 @@ def test_events_are_listed_the_newest_first(browser: Browser, four: Feeder) -> N
     ]
 
 
+def test_a_paused_page_is_dimmed_and_goes_on_to_tell_of_troubles(
+    browser: Browser, four: Feeder
+) -> None:
+    shown(browser, four)
+    browser.press(" ")
+    status = "document.getElementById('status').textContent"
+    browser.until(f"return {status}.startsWith('paused for ')")
+    at_s = browser.run("return flotilla.shown.t_s")
+    assert browser.run("return document.body.classList.contains('cut')")
+    told = "nothing heard for 3 s: check that the boats have power"
+    fault = boat(2, 0.0, state="FAULT", link_age_s=0.0)
+    four.frames = lambda t_s: json.dumps(
+        {"t_s": t_s, "heard": {"alarm": told}, "vessels": [boat(1, t_s), fault]}
+    )
+    line = "document.getElementById('line-troubles').textContent"
+    browser.until(f"return {line} === '1 in trouble'")
+    browser.until("return document.getElementById('alarm').textContent === arguments[0]", told)
+    browser.until(f"return {status} !== 'paused for 0 s'")
+    assert browser.run("return flotilla.shown.t_s") == at_s
+    browser.press(" ")
+    browser.until("return !document.body.classList.contains('cut')")
+    assert browser.until(f"{LIVE} && [flotilla.shown.vessels.length]") == [2]
+
+
 def test_two_clicks_tell_the_distance_between_them(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     browser.run("document.getElementById('nearer').click()")
