@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A live view: turns messages heard at an address into frames for the page."""
 
-import json
 import time
 from collections import deque
 from collections.abc import Iterable
@@ -9,6 +8,7 @@ from typing import Any
 
 from sil.view import alarm
 from sil.view.hear import Listener
+from sil.view.plain_json import json_of
 from sil.view.seen_fleet import Fleet
 from sil.view.tlog_history import Watch
 from sil.wire.mavlink_ear import Message
@@ -78,7 +78,7 @@ class Live:
 
     def text(self) -> str:
         """The frame as JSON."""
-        return json.dumps(self.frame(), separators=(",", ":"), allow_nan=False)
+        return json_of(self.frame())
 
     def _alarm(self, now_s: float) -> str | None:
         """Why nothing is heard and what to check; None if all is well."""

@@ -4,7 +4,6 @@
 import asyncio
 import errno
 import ipaddress
-import json
 import re
 import signal
 import socket
@@ -22,6 +21,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from sil.view import alarm, page
 from sil.view.chart import Chart
 from sil.view.live_source import FRAMES_PER_S, Live
+from sil.view.plain_json import json_of
 
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -88,7 +88,7 @@ class Server:
 
     def _history(self) -> str:
         source = self._source.history() if isinstance(self._source, Live) else self._source
-        return json.dumps(source, separators=(",", ":"))
+        return json_of(source)
 
     def _application(self) -> tornado.web.Application:
         json_kind = "application/json"
@@ -100,7 +100,7 @@ class Server:
         if isinstance(self._source, Live):
             routes.append((r"/live", _Frames, {"clients": self._clients, "is_over": self._is_over}))
         if self._chart is not None:
-            about = json.dumps(self._chart.about, separators=(",", ":"))
+            about = json_of(self._chart.about)
             routes.append((r"/chart", _Text, {"text": lambda: about, "kind": json_kind}))
             routes.append((r"/tile/(\d{1,2})/(\d{1,9})/(\d{1,9})", _Tile, {"chart": self._chart}))
         application = tornado.web.Application(
