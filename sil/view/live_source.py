@@ -15,7 +15,7 @@ from sil.wire.mavlink_ear import Message
 
 FRAMES_PER_S = 10
 _WINDOW_S = 1.0
-_PLANS_EVERY = 10  # frames
+_NEWS_EVERY = 10  # frames
 
 
 class Live:
@@ -27,7 +27,7 @@ class Live:
         self._watch = Watch(self._fleet)
         self._began_s = time.monotonic()
         self._frames = 0
-        self._plans: dict[int, Any] = {}
+        self._news: tuple[dict[int, Any], int] = {}, 0
         self._bytes, self._heard_s = 0, 0.0
         self._heard: deque[tuple[float, int]] = deque([(0.0, 0)])
 
@@ -57,12 +57,14 @@ class Live:
         vessels = self._fleet.vessels(now_s)
         plans = self._fleet.drawn_plans()
         ear = self._listener.ear
-        # Plans are long and seldom change; who opens the page gets them a little later.
+        # Plans and texts are long and seldom change; who opens the page gets them a little later.
         self._frames += 1
-        is_news = plans is not self._plans or self._frames % _PLANS_EVERY == 0
-        self._plans = plans
+        texts_heard = self._fleet.texts_heard
+        is_news = plans is not self._news[0] or texts_heard != self._news[1]
+        self._news = plans, texts_heard
+        is_sent = is_news or self._frames % _NEWS_EVERY == 0
         return {
-            **({"plans": plans} if is_news else {}),
+            **({"plans": plans, "texts": self._fleet.texts()} if is_sent else {}),
             "t_s": round(now_s, 3),
             "origin_deg": self._fleet.origin_deg,
             "heard": {

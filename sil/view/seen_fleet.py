@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """All vessels heard, in one local frame. Times are the listener's, s."""
 
+from collections import deque
 from collections.abc import Iterable
 from math import cos, hypot, radians
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ _ELSEWHERE_M = 50_000.0
 _FAR_M = 1e6
 _PATIENCE_S = 2.0
 _M_PER_DEGE7 = 0.0111
+_MOST_TEXTS = 50
 
 
 class Pose(NamedTuple):
@@ -42,6 +44,8 @@ class Fleet:
         self.unknown = 0
         self.origin: Origin | None = None
         self.plans = Plans(self._is_vessel)
+        self.texts_heard = 0
+        self._texts: deque[tuple[int, float, int, int | None, str]] = deque(maxlen=_MOST_TEXTS)
         self._length_m = length_m
         self._drawn: tuple[object, dict[int, Any]] = (None, {})
         self._frames: dict[Origin, LocalFrame] = {}
@@ -67,7 +71,10 @@ class Fleet:
                 continue
             if vessel is None:
                 vessel = self.systems[message.system] = Vessel(message.system, now_s)
+            before = vessel.texts.last
             vessel.hear(message, now_s)
+            if vessel.texts.last != before:
+                self._note_text(vessel, now_s)
             self.plans.hear(message)
             if message.number == messages.GPS_GLOBAL_ORIGIN:
                 self._look_at_origin(vessel, now_s)
@@ -86,6 +93,15 @@ class Fleet:
             self._look_at_globe(now_s)
         known = sorted(k for k, v in self.systems.items() if v.kind is not None)
         return [self._told(self.systems[system], now_s) for system in known]
+
+    def texts(self) -> list[tuple[int, float, int, int | None, str]]:
+        """The vessels' last texts: number of the text, time, system id, severity, text."""
+        return [text for text in self._texts if self._is_vessel(text[2])]
+
+    def _note_text(self, vessel: Vessel, now_s: float) -> None:
+        self.texts_heard += 1
+        text = vessel.severity, vessel.texts.last
+        self._texts.append((self.texts_heard, round(now_s, 3), vessel.system, *text))
 
     def drawn_plans(self) -> dict[int, Any]:
         """The drawings of the vessels' plans, by system id: see `seen_plan.drawn`."""
@@ -140,6 +156,7 @@ class Fleet:
             "held": vessel.held(),
             "conditions_lost_s": _round(vessel.conditions_lost_s(), 1),
             "text": vessel.texts.last or None,
+            "text_age_s": round(now_s - vessel.texts.said_s, 1) if vessel.texts.last else None,
             "link_age_s": round(max(0.0, now_s - at_s), 2),
             "leader_age_s": _round(value("LEAD_AGE"), 3),
             "battery_V": _round(vessel.aboard.battery_V(at_s), 2),

@@ -118,7 +118,8 @@ class _Told:
         self._rows: list[list[float]] = []
         self._leader: int | None = None
         self._limits_N: tuple[float, float] | None = None
-        self._states, self._held, self._texts = Changes(), Changes(), Changes()
+        self._states, self._held = Changes(), Changes()
+        self._texts, self._severities = Changes(), Changes()
         self.plans, self.items = Changes(), Changes()
 
     def look(self, index: int, t_s: float, vessel: Told) -> None:
@@ -135,6 +136,7 @@ class _Told:
         self._states.note(t_s, vessel.state)
         self._held.note(t_s, list(vessel.held()))
         self._texts.note(t_s, vessel.texts.last or None)
+        self._severities.note(t_s, vessel.severity)
 
     def halve(self, samples: int) -> None:
         """Drop every other one of `samples` samples."""
@@ -153,6 +155,7 @@ class _Told:
             "states": self._states.list,
             "held": self._held.list,
             "texts": self._texts.list,
+            "severities": self._severities.list,
             "plans": [[t_s, draw(plan)] for t_s, plan in self.plans.list],
             "items": self.items.list,
         }

@@ -35,6 +35,7 @@ class Vessel:
         self.heard_s = self.beat_s = 0.0
         self.kind: str | None = None
         self.texts = Texts()
+        self.severity: int | None = None  # of the last text, MAV_SEVERITY
         self.motion = Motion()
         self.aboard = Aboard()
         self._state: str | None = None
@@ -55,8 +56,9 @@ class Vessel:
         if number == messages.HEARTBEAT:
             self._beat(component, fields, now_s)
         elif number == messages.STATUSTEXT:
-            _, piece, text, chunk = fields
-            self.texts.hear(component, piece, text, chunk, now_s)
+            severity, piece, text, chunk = fields
+            if self.texts.hear(component, piece, text, chunk, now_s):
+                self.severity = severity
         elif component == self._main:
             if number == messages.ATTITUDE:
                 self._look_at_clock(fields[0], now_s)

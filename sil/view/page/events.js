@@ -5,16 +5,19 @@ const MOST_EVENTS = 400;
 const TOLD = {
   states: (state) => [STATE_THEME[state], state],
   held: (held) => (held.length ? ["bad", held.join("; ")] : ["good", "nothing is missing any more"]),
-  texts: (text) => (STATES.includes(text) ? null : ["calm", `“${text}”`]),
+  texts: (text, severity) => (STATES.includes(text) ? null : [ofSeverity(severity), `“${text}”`]),
   silent: (silent) => (silent ? ["bad", `silent for ${SILENT_S} s`] : ["good", "heard again"]),
 };
 
-function eventOf(t_s, vessel, what, value) {
-  const told = value === null ? null : TOLD[what](value);
+/** The colour of a MAV_SEVERITY, which may be unknown. */
+const ofSeverity = (severity) => (!known(severity) || severity > 4 ? "calm" : severity > 3 ? "warn" : "bad");
+
+function eventOf(t_s, vessel, what, value, severity = null) {
+  const told = value === null ? null : TOLD[what](value, severity);
   return told && { t_s, key: vessel.key, name: nameOf(vessel), colour: told[0], text: told[1] };
 }
 
-/** Changes from one live frame to the next. */
+/** Changes from one live frame to the next; texts are numbered, as a frame may have several. */
 class Changes {
   constructor() {
     this.before = new Map();
@@ -22,7 +25,7 @@ class Changes {
 
   of(t_s, vessel) {
     const out = [];
-    for (const [what, value] of [["states", vessel.state], ["held", vessel.held], ["texts", vessel.text], ["silent", isSilent(vessel)]]) {
+    for (const [what, value] of [["states", vessel.state], ["held", vessel.held], ["silent", isSilent(vessel)]]) {
       const name = `${vessel.key} ${what}`, before = this.before.get(name), now = JSON.stringify(value);
       if (before === undefined || value !== null) this.before.set(name, now);
       if (before !== undefined && before !== now && value !== null) out.push(eventOf(t_s, vessel, what, value));
@@ -35,7 +38,9 @@ class Changes {
 function eventsOf(vessel, t) {
   const out = [];
   for (const what of ["states", "held", "texts"]) {
-    for (const [t_s, value] of vessel[what] ?? []) if (t_s > t[0]) out.push(eventOf(t_s, vessel, what, value));
+    for (const [t_s, value] of vessel[what] ?? []) {
+      if (t_s > t[0]) out.push(eventOf(t_s, vessel, what, value, holding(vessel.severities, t_s, null)));
+    }
   }
   const ages = vessel.columns.link_age_s ?? [];
   for (let i = 1; i < ages.length; i += 1) {
@@ -89,7 +94,8 @@ class Events {
       return [event, row];
     });
     this.list.replaceChildren(...this.rows.map(([, row]) => row));
-    if (!order.length) element("li", this.list, { class: "none", text: "No change of state, fault or message yet." });
+    const since = source.begin_s === undefined ? " since this page was opened" : "";
+    if (!order.length) element("li", this.list, { class: "none", text: `No change of state, fault or message${since}.` });
     this.marked = null;
   }
 

@@ -2,7 +2,7 @@
 // The live source: frames from the view's WebSocket. Counts and ignores invalid ones.
 const SILENT_MS = 3000, LOAD_MS = 30000;
 const RETRY_MS = [250, 500, 1000, 2000];
-const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "conditions_lost_s", "senders", "link_age_s", "place_age_s", "leader_age_s", "battery_V", "item"];
+const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "conditions_lost_s", "senders", "link_age_s", "place_age_s", "leader_age_s", "text_age_s", "battery_V", "item"];
 const STATES = CONFIG.supervisor.states;
 
 const textOr = (x) => (typeof x === "string" ? x : null);
@@ -22,6 +22,8 @@ function cleanVessel(raw) {
   return out;
 }
 
+const isText = (x) => Array.isArray(x) && x.length === 5 && x.slice(0, 3).every(known) && typeof x[4] === "string";
+
 /** The frame in a received message; null if invalid. `over`: it was the last. */
 function cleanFrame(text) {
   let raw;
@@ -35,7 +37,8 @@ function cleanFrame(text) {
   const unique = new Map();
   for (const vessel of raw.vessels.map(cleanVessel)) if (vessel) unique.set(vessel.id, vessel);
   const vessels = [...unique.values()].sort((a, b) => a.id - b.id);
-  return { t_s: raw.t_s, plans: cleanPlans(raw.plans), origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
+  const texts = Array.isArray(raw.texts) ? raw.texts.filter(isText) : [];
+  return { t_s: raw.t_s, plans: cleanPlans(raw.plans), texts, origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
 }
 
 class LiveSource {
@@ -49,6 +52,7 @@ class LiveSource {
     this.frame = { t_s: 0, origin: null, heard: {}, vessels: [] };
     this.events = [];
     this.changes = new Changes();
+    this.texts = 0; // number of the last one
     this.tracks = new Map();
     this.plans = new Map();
     this.garbage = 0;
@@ -125,6 +129,7 @@ class LiveSource {
     this.frame = frame;
     const here = new Set(frame.vessels.map((vessel) => vessel.key));
     for (const key of this.tracks.keys()) if (!here.has(key)) this.tracks.delete(key);
+    this.listen(frame);
     for (const vessel of frame.vessels) {
       this.track(vessel.key).push(frame.t_s, vessel);
       this.events.push(...this.changes.of(frame.t_s, vessel));
@@ -133,7 +138,19 @@ class LiveSource {
     this.changed();
   }
 
+  /** Lists the texts that are new to this page; when it opens, the last ones from before. */
+  listen({ texts, vessels }) {
+    const byId = new Map(vessels.map((vessel) => [vessel.id, vessel]));
+    for (const [number, t_s, id, severity, text] of texts) {
+      if (number <= this.texts) continue;
+      this.texts = number;
+      const event = byId.has(id) ? eventOf(t_s, byId.get(id), "texts", text, severity) : null;
+      if (event) this.events.push(event);
+    }
+  }
+
   forget() {
+    this.texts = 0;
     this.tracks.clear();
     this.plans = new Map();
     [this.events, this.changes] = [[], new Changes()];

@@ -8,14 +8,20 @@ function columnOf(text) {
   return Float32Array.from({ length: raw.length >> 2 }, (_, i) => view.getFloat32(4 * i, true));
 }
 
-/** The value valid at time s in a list of [t_s, value]. */
-function holding(list, s, otherwise) {
-  let found = otherwise;
-  for (const [from_s, value] of list ?? []) {
-    if (from_s > s + 1e-9) break;
-    found = value;
+/** The entry valid at time s in a list of [t_s, value]; null before the first. */
+function entryAt(list, s) {
+  let found = null;
+  for (const entry of list ?? []) {
+    if (entry[0] > s + 1e-9) break;
+    found = entry;
   }
   return found;
+}
+
+/** The value valid at time s in a list of [t_s, value]. */
+function holding(list, s, otherwise) {
+  const entry = entryAt(list, s);
+  return entry ? entry[1] : otherwise;
 }
 
 const ESCS = SIDES.map((side) => ESC_CELLS.map(([name]) => [name, `${side}_${name}`]));
@@ -85,6 +91,7 @@ class ReplaySource {
     const both = (one, other) => (known(one) && known(other) ? [one, other] : null);
     const values = Object.fromEntries(CHANGING.map((name) => [name, at(name)]));
     const state = holding(vessel.states, this.t_s, undefined); // null: not known any more
+    const [said_s, text] = entryAt(vessel.texts, this.t_s) ?? [null, null];
     const escs = ESCS.map((esc) => Object.fromEntries(esc.map(([name, column]) => [name, values[column]])));
     return {
       id: vessel.id, key: vessel.key, kind: vessel.kind, leader: vessel.leader ?? null,
@@ -96,7 +103,7 @@ class ReplaySource {
       state: state ?? null,
       stateLost: vessel.kind === "boat" && state === null && !isSilent(values),
       held: holding(vessel.held, this.t_s, []),
-      text: holding(vessel.texts, this.t_s, null),
+      text, text_age_s: text === null ? null : this.t_s - said_s,
       plan: holding(vessel.plans, this.t_s, null),
       item: holding(vessel.items, this.t_s, null),
     };

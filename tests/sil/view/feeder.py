@@ -64,9 +64,14 @@ def leader(t_s: float) -> dict[str, Any]:
     return {"id": 100, "kind": "leader", **place, **motion, **unknown, "held": [], "escs": []}
 
 
-def frame(t_s: float, vessels: list[Any]) -> str:
+def frame(t_s: float, vessels: list[Any], *texts: tuple[int, float, int, int, str]) -> str:
     heard = {"address": "mcast:", "bytes_per_s": 12345.0, "damaged": 7, "ignored": 3}
-    content = {"t_s": t_s, "heard": {**heard, "vessels": len(vessels)}, "vessels": vessels}
+    content = {
+        "t_s": t_s,
+        "heard": {**heard, "vessels": len(vessels)},
+        "vessels": vessels,
+        "texts": texts,
+    }
     return json.dumps(content)
 
 

@@ -77,6 +77,7 @@ def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> 
     shown(browser, four)
     assert word(browser, "Boat 2", ".state") == "FORMATION"
     lost = {"held": ["leader's state is not fresh"], "text": "leader is lost", "leader_age_s": 1.2}
+    lost["text_age_s"] = 12.0
     for state in ("COAST", "HOLD"):
         four.frames = lambda t_s, state=state: frame(
             t_s, [leader(t_s), boat(1, t_s), boat(2, t_s, state=state, **lost)]
@@ -85,7 +86,7 @@ def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> 
             f"{CARD} return card.querySelector('.state').textContent === '{state}'", "Boat 2"
         )
         assert word(browser, "Boat 2", ".held") == "leader's state is not fresh"
-    assert word(browser, "Boat 2", ".said") == "“leader is lost”"
+    assert word(browser, "Boat 2", ".said") == "“leader is lost” 12 s ago"
     assert word(browser, "Boat 1", ".state") == "FORMATION"
 
 
@@ -197,19 +198,31 @@ def test_source_that_is_not_heard_is_told_in_red(browser: Browser, four: Feeder)
 def test_events_are_listed_the_newest_first(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     told = "return [...document.querySelectorAll('#events .told')].map((x) => x.textContent)"
-    lost = {"held": ["leader's state is not fresh"], "state": "COAST", "text": "leader is lost"}
-    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **lost)])
-    browser.until("return flotilla.source.events.length === 3")
-    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, text="leader is lost")])
+    lost = {"held": ["leader's state is not fresh"], "state": "COAST", "text": "stopping"}
+    texts = [
+        (1, 19.0, 1, 6, "set out"),
+        (2, 20.0, 2, 2, "leader is lost"),
+        (3, 20.0, 2, 4, "coast"),
+    ]
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **lost)], *texts)
     browser.until("return flotilla.source.events.length === 5")
-    browser.until("return document.querySelectorAll('#events .told').length === 5")
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, text="stopping")], *texts)
+    browser.until("return flotilla.source.events.length === 7")
+    browser.until("return document.querySelectorAll('#events .told').length === 7")
     assert browser.run(told) == [
         "nothing is missing any more",
         "FORMATION",
-        "“leader is lost”",
         "leader's state is not fresh",
         "COAST",
+        "“coast”",
+        "“leader is lost”",
+        "“set out”",
     ]
+    colours = "return flotilla.source.events.slice(0, 3).map(({ colour }) => colour)"
+    assert browser.run(colours) == ["calm", "bad", "warn"]
+    # a page that is opened anew lists the texts from before
+    shown(browser, four)
+    browser.until("return flotilla.source.events.length === 3")
 
 
 def test_a_paused_page_is_dimmed_and_goes_on_to_tell_of_troubles(

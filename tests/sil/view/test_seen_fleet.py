@@ -136,6 +136,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
         "held": (),
         "conditions_lost_s": None,
         "text": "FORMATION",
+        "text_age_s": 0.5,
         "link_age_s": 0.5,
         "leader_age_s": 0.25,
         "battery_V": 23.9,
@@ -206,6 +207,22 @@ def test_what_holds_a_boat_is_told_in_its_words() -> None:
     view.hear(boat(3) + said(3, coasting, value("COND", lost), value("COND2", ALL2)), 0.0)
     vessel = view.by_id(0.0)[3]
     assert (vessel["state"], vessel["held"]) == ("COAST", ("leader's state is not fresh",))
+
+
+def test_every_text_is_told_with_its_time_and_severity_and_a_repeated_one_once() -> None:
+    view = Listening()
+    texts = [(2, b"first"), (6, b"second"), (6, b"second")]
+    packed = [mavlink.MAVLink_statustext_message(severity, text) for severity, text in texts]
+    view.hear(boat(1) + said(255, packed[0], component=190) + said(1, *packed), 3.0)
+    view.hear(said(1, packed[0]), 4.0)
+    assert view.fleet.texts() == [
+        (2, 3.0, 1, 2, "first"),
+        (3, 3.0, 1, 6, "second"),
+        (4, 4.0, 1, 2, "first"),
+    ]
+    for number in range(100):
+        view.hear(said(1, mavlink.MAVLink_statustext_message(6, b"%d" % number)), 5.0)
+    assert len(view.fleet.texts()) == 50 and view.fleet.texts()[-1][-1] == "99"
 
 
 def test_a_long_text_is_told_whole_and_one_that_lost_a_piece_is_not() -> None:

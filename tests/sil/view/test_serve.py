@@ -11,6 +11,7 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError
 from tornado.websocket import websocket_connect
 
@@ -207,6 +208,18 @@ def test_over_source_is_a_replay_of_what_was_heard() -> None:
     assert told["origin_deg"] == pytest.approx([1e-7, 2e-7])
     assert numbers(told["t_s"])[-1] > 0.3 and f"udpin:{LOOPBACK}:{port}" in told["title"]
     assert '<body class="replay">' in text
+
+
+def test_texts_are_told_again_to_a_page_that_is_opened_later() -> None:
+    port = free_port()
+    text = said(1, mavlink.MAVLink_statustext_message(2, b"low battery"))
+
+    async def use(url: str) -> list[Any]:
+        async with Sender(port, lambda: [*fleet_of(1), text]):
+            frames = [await frame_in_which(url, lambda f: f.get("texts")) for _ in range(2)]
+        return [[told[0], *told[2:]] for frame in frames for told in frame["texts"]]
+
+    assert served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use) == 2 * [[1, 1, 2, "low battery"]]
 
 
 def test_page_that_comes_back_after_the_end_is_told_so() -> None:

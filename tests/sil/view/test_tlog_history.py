@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pymavlink import mavutil
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.plant.hull import Array
 from sil.scenario import scenario
@@ -184,6 +185,14 @@ def test_the_state_of_a_boat_that_lost_its_heartbeat_alone_is_unknown(tmp_path: 
     (known, lost) = logged(tmp_path / "beat.tlog", sorted(told))["vessels"][0]["states"]
     assert known == [0.0, "FORMATION"]
     assert lost == [pytest.approx(16.0, abs=0.5), None]
+
+
+def test_texts_are_played_back_with_their_severities(tmp_path: Path) -> None:
+    texts = [mavlink.MAVLink_statustext_message(level, b"%d" % level) for level in (2, 2, 6)]
+    told = [(t_s, said(1, BEAT, text)) for t_s, text in enumerate(texts)]
+    (vessel,) = logged(tmp_path / "texts.tlog", told)["vessels"]
+    assert vessel["texts"] == [[0.0, "2"], [2.0, "6"]]
+    assert vessel["severities"] == [[0.0, 2], [2.0, 6]]
 
 
 @pytest.mark.parametrize("content", [b"", b"no log at all", bytes(1000), b"\xfd" * 1000])
