@@ -86,8 +86,16 @@ class Watch:
             self._look(len(self.times) * self._step_s)
 
     def history(self, title: str) -> Told:
-        """The history so far, ending with the vessels' last values."""
-        self._look(max([self._last_s, *(t_s + _MOMENT_S for t_s in self.times[-1:])]))
+        """The history so far, ending with the vessels' last values; changes nothing."""
+        samples = len(self.times)
+        self._sample(max([self._last_s, *(t_s + _MOMENT_S for t_s in self.times[-1:])]))
+        told = self._history(title)
+        del self.times[samples:]
+        for vessel in self._told.values():
+            vessel.keep(samples)
+        return told
+
+    def _history(self, title: str) -> Told:
         return {
             "title": title,
             "origin_deg": self._fleet.origin_deg,
@@ -100,14 +108,17 @@ class Watch:
         }
 
     def _look(self, t_s: float) -> None:
-        for vessel in self._fleet.vessels(t_s):
-            self._told.setdefault(vessel["id"], _Told()).look(len(self.times), t_s, vessel)
-        self.times.append(t_s)
+        self._sample(t_s)
         if len(self.times) >= most_samples(max(1, len(self._told))):
             self._step_s *= 2.0
             for told in self._told.values():
                 told.halve(len(self.times))
             self.times = self.times[::2]
+
+    def _sample(self, t_s: float) -> None:
+        for vessel in self._fleet.vessels(t_s):
+            self._told.setdefault(vessel["id"], _Told()).look(len(self.times), t_s, vessel)
+        self.times.append(t_s)
 
 
 class _Told:
@@ -138,6 +149,10 @@ class _Told:
         self._texts.note(t_s, vessel.texts.last or None)
         self._severities.note(t_s, vessel.severity)
 
+    def keep(self, samples: int) -> None:
+        """Drop all but the first samples."""
+        del self._rows[samples:]
+
     def halve(self, samples: int) -> None:
         """Drop every other one of `samples` samples."""
         self._fill(samples)
@@ -162,7 +177,8 @@ class _Told:
 
     def _fill(self, samples: int) -> None:
         """Fill a gap: unheard before its first sample, then forgotten for its silence."""
-        self._rows += [_FORGOTTEN if self.last else _NOTHING] * (samples - len(self._rows))
+        is_heard = bool(self._rows) and self._rows[-1] is not _NOTHING
+        self._rows += [_FORGOTTEN if is_heard else _NOTHING] * (samples - len(self._rows))
 
 
 def _number(vessel: Told, column_name: str) -> float:

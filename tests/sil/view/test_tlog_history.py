@@ -14,8 +14,9 @@ from pymavlink.dialects.v20 import common as mavlink
 from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.view.history import MOST_SAMPLES, numbers
-from sil.view.seen_fleet import FORGOTTEN_S
-from sil.view.tlog_history import history_of_tlog, messages_of
+from sil.view.seen_fleet import FORGOTTEN_S, Fleet
+from sil.view.tlog_history import Watch, history_of_tlog, messages_of
+from sil.wire.mavlink_ear import Ear
 from sil.wire.mavlink_frames import frames
 from sil.wire.tlog import packets
 from tests.sil.view.feed import BEAT, VIRTUAL, attitude, local, said, sail_and_look, value
@@ -145,6 +146,17 @@ def test_a_clock_that_is_set_while_the_log_is_written_is_no_time(tmp_path: Path)
     ]
     t_s = numbers(history_of_tlog(written(tmp_path / "set.tlog", times_us))["t_s"])
     assert t_s[-1] == pytest.approx(14.7, abs=0.3)
+
+
+def test_to_ask_for_a_history_does_not_change_it() -> None:
+    watch, asked = Watch(Fleet(1.0)), Watch(Fleet(1.0))
+    for k in range(100):
+        for each in (watch, asked):
+            for message in Ear(stream=False).hear(said(1 + k // 50, BEAT, local(0.1 * k, 0.0))):
+                each.hear(0.1 * k + 0.05, message)
+        asked.history("so far")
+    assert asked.times == watch.times
+    assert asked.history("") == watch.history("")
 
 
 def test_a_boat_that_comes_late_and_goes_is_unknown_before_and_silent_after(tmp_path: Path) -> None:
