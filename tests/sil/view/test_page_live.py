@@ -354,6 +354,12 @@ def test_boat_that_holds_can_be_played_with_as_it_is(browser: Browser, four: Fee
     assert browser.run(script) == ["HOLD", ["met-own_steady"]]
 
 
+def test_a_tile_that_failed_is_asked_for_again(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    browser.run("flotilla.chart.again_ms = 50; window.failed = flotilla.chart.tile('data:,none')")
+    browser.until("return flotilla.chart.tile('data:,none') !== window.failed")
+
+
 def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:
     shown(browser, four, fleet(100))
     browser.until("return document.querySelectorAll('.card').length === 100")
