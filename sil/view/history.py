@@ -40,6 +40,7 @@ COLUMNS = (
     "in_slot",
     "conditions_lost_s",
     "senders",
+    "unknown_mode",
     "thrust_port_N",
     "thrust_stbd_N",
     "link_age_s",

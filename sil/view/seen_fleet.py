@@ -153,6 +153,7 @@ class Fleet:
             "limits_N": _pair(limits),
             "item": self.plans.item.get(vessel.system),
             "state": vessel.state,
+            "unknown_mode": vessel.unknown_mode,
             "held": vessel.held(),
             "conditions_lost_s": _round(vessel.conditions_lost_s(), 1),
             "text": vessel.texts.last or None,

@@ -39,6 +39,7 @@ class Vessel:
         self.motion = Motion()
         self.aboard = Aboard()
         self._state: str | None = None
+        self._mode: int | None = None  # custom_mode of a boat's HEARTBEAT without a known state
         self._main = 256
         self._is_companion = False  # a Flotilla beside another autopilot
         self._clocks = Clocks()
@@ -72,7 +73,15 @@ class Vessel:
     @property
     def state(self) -> str | None:
         """A boat's state; None if its last HEARTBEAT was 5 s before its last message."""
-        return self._state if self.heard_s - self.beat_s <= _SLOW_S else None
+        return self._state if self._beats() else None
+
+    @property
+    def unknown_mode(self) -> int | None:
+        """The custom_mode that makes a boat's state unknown, while its HEARTBEAT is heard."""
+        return self._mode if self._beats() else None
+
+    def _beats(self) -> bool:
+        return self.heard_s - self.beat_s <= _SLOW_S
 
     def value(self, name: str) -> float | None:
         """A NAMED_VALUE_FLOAT that was still valid at the vessel's last message."""
@@ -124,6 +133,7 @@ class Vessel:
         self.beat_s = now_s
         is_boat = self.kind == "boat"
         self._state = state_of(custom_mode, base_mode, status) if is_boat else None
+        self._mode = custom_mode if is_boat and self._state is None else None
 
     def _look_at_clock(self, boot_ms: int, now_s: float) -> None:
         """Drop all values from before a restart of the vessel."""

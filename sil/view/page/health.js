@@ -31,7 +31,8 @@ function troublesOf(vessel) {
   if (asked && known(vessel.conditions_lost_s)) out.push(`conditions unknown for ${age(vessel.conditions_lost_s)}`);
   if (isElsewhere(vessel)) out.push(`position unknown: last heard ${age(vessel.place_age_s)} ago`);
   if (vessel.close) out.push(`${metres(vessel.close.apart_m)} from boat ${vessel.close.near.id}: nearer than a hull's length`);
-  if (vessel.stateLost) out.push("state unknown: no HEARTBEAT for more than 5 s");
+  if (known(vessel.unknown_mode)) out.push(`state unknown: its HEARTBEAT has custom_mode ${vessel.unknown_mode}`);
+  else if (vessel.stateLost) out.push("state unknown: no HEARTBEAT for more than 5 s");
   return out;
 }
 

@@ -2,7 +2,7 @@
 // The live source: frames from the view's WebSocket. Counts and ignores invalid ones.
 const SILENT_MS = 3000, LOAD_MS = 30000;
 const RETRY_MS = [250, 500, 1000, 2000];
-const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "conditions_lost_s", "senders", "link_age_s", "place_age_s", "leader_age_s", "text_age_s", "battery_V", "item"];
+const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "conditions_lost_s", "senders", "unknown_mode", "link_age_s", "place_age_s", "leader_age_s", "text_age_s", "battery_V", "item"];
 const STATES = CONFIG.supervisor.states;
 
 const textOr = (x) => (typeof x === "string" ? x : null);

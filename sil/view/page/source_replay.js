@@ -26,7 +26,7 @@ function holding(list, s, otherwise) {
 
 const ESCS = SIDES.map((side) => ESC_CELLS.map(([name]) => [name, `${side}_${name}`]));
 const CHANGING = [
-  "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m", "in_slot", "conditions_lost_s", "senders",
+  "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m", "in_slot", "conditions_lost_s", "senders", "unknown_mode",
   "thrust_port_N", "thrust_stbd_N", "link_age_s", "place_age_s", "leader_age_s", "battery_V",
   ...ESCS.flatMap((esc) => esc.map(([, column]) => column)),
 ];
@@ -101,7 +101,7 @@ class ReplaySource {
       slot: both(values.slot_x_m, values.slot_y_m),
       thrust_N: both(values.thrust_port_N, values.thrust_stbd_N),
       state: state ?? null,
-      stateLost: vessel.kind === "boat" && state === null && !isSilent(values),
+      stateLost: vessel.kind === "boat" && (state === null || known(values.unknown_mode)) && !isSilent(values),
       held: holding(vessel.held, this.t_s, []),
       text, text_age_s: text === null ? null : this.t_s - said_s,
       plan: holding(vessel.plans, this.t_s, null),

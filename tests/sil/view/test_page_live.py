@@ -183,6 +183,14 @@ def test_a_boat_without_conditions_and_one_whose_id_is_anothers_too_are_in_troub
     assert word(browser, "Boat 2", ".held") == "two vessels use system id 2"
 
 
+def test_a_mode_that_the_page_does_not_know_is_named(browser: Browser, four: Feeder) -> None:
+    odd = {"state": None, "unknown_mode": 77}
+    shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s, **odd), boat(2, t_s)]))
+    browser.until(f"{CARD} return card?.classList.contains('trouble')", "Boat 1")
+    why = "state unknown: its HEARTBEAT has custom_mode 77"
+    assert word(browser, "Boat 1", ".held") == why
+
+
 def test_source_that_is_not_heard_is_told_in_red(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     assert browser.run("return document.getElementById('alarm').hidden")

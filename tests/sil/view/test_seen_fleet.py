@@ -133,6 +133,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
         "limits_N": (-15.0, 20.0),
         "item": None,
         "state": "FORMATION",
+        "unknown_mode": None,
         "held": (),
         "conditions_lost_s": None,
         "text": "FORMATION",
@@ -187,6 +188,19 @@ def test_slow_telemetry_is_known_between_its_messages_and_its_end_is_a_trouble()
             assert all(known) and vessel["conditions_lost_s"] is None
         elif t_s >= 90:
             assert not any(known) and vessel["conditions_lost_s"] == t_s - 60
+
+
+def test_a_mode_that_is_not_known_is_told_while_its_heartbeat_is_heard() -> None:
+    view = Listening()
+    odd = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_GENERIC, 137, 77, 4, 3)
+    view.hear(said(1, odd) + boat(2), 0.0)
+    told = view.by_id(1.0)
+    assert [(v["state"], v["unknown_mode"]) for v in told.values()] == [
+        (None, 77),
+        ("FORMATION", None),
+    ]
+    view.hear(said(1, attitude(0.0)), 9.0)
+    assert view.by_id(9.0)[1]["unknown_mode"] is None
 
 
 def test_a_silent_boat_stays_with_its_age_and_what_it_said_last_other_vessels_are_dropped() -> None:
