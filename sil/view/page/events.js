@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Events: changes of state, unmet conditions, texts, silence. Shown as a list and as marks over time.
-const MOST_EVENTS = 400;
+const MOST_EVENTS = 400, MOST_READ = 5;
 /** By kind of change: its colour and text, or null if it is not an event. */
 const TOLD = {
   states: (state) => [STATE_THEME[state], state],
@@ -84,7 +84,8 @@ class Events {
 
   /** A replay's events in order of time, live ones newest first. */
   fill(events, source) {
-    const order = source.begin_s === undefined ? [...events].reverse() : events;
+    const isLive = source.begin_s === undefined, order = isLive ? [...events].reverse() : events;
+    if (isLive) this.read(order);
     this.rows = order.map((event) => {
       const row = element("li"), button = element("button", row, { type: "button" });
       element("span", button, { class: "when", text: clock(event.t_s) });
@@ -94,9 +95,15 @@ class Events {
       return [event, row];
     });
     this.list.replaceChildren(...this.rows.map(([, row]) => row));
-    const since = source.begin_s === undefined ? " since this page was opened" : "";
+    const since = isLive ? " since this page was opened" : "";
     if (!order.length) element("li", this.list, { class: "none", text: `No change of state, fault or message${since}.` });
     this.marked = null;
+  }
+
+  /** Has a screen reader read the events that are new to the list. */
+  read(order) {
+    const before = order.indexOf(this.rows[0]?.[0]), fresh = order.slice(0, before < 0 ? MOST_READ : Math.min(before, MOST_READ));
+    say(document.getElementById("newest"), fresh.map(({ name, text }) => `${name}: ${text}`).join(". "));
   }
 
   /** Highlights the last event before a replay's time and scrolls the list to it. */

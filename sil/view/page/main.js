@@ -82,7 +82,9 @@ function tellFleet(frame) {
   alarm(source.cut ? text : frame.heard?.alarm);
   noteClose(frame.vessels);
   for (const [name, line] of Object.entries(fleetLine(frame.vessels))) say(byName(`line-${name}`), line);
-  byName("line-troubles").className = byName("line-troubles").textContent.startsWith("none") ? "good" : "bad";
+  const troubles = byName("line-troubles").textContent, isWell = !troubles || troubles.startsWith("none");
+  byName("line-troubles").className = isWell ? "good" : "bad";
+  if (!player) entitle(source.cut ? text : isWell ? "" : troubles);
   if (frame.heard) {
     const { address, bytes_per_s, damaged, ignored } = frame.heard;
     const garbage = source.garbage ? ` · ${source.garbage} frames not understood` : "";
@@ -101,6 +103,12 @@ function tell(frame, chosen) {
   const planned = frame.vessels.some(({ plan }) => plan?.way.length) ? [["plans", "fleet and plans"]] : [];
   const options = [["fleet", "whole fleet"], ...planned, ["free", "free"], ...frame.vessels.map((vessel) => [vessel.key, nameOf(vessel)])];
   fill(byName("centre"), options, plan.camera.mode);
+}
+
+/** Puts what is wrong before a live page's title, which a tab shows. */
+function entitle(wrong) {
+  const title = [wrong, byName("title").textContent].filter(Boolean).join(" · ");
+  if (document.title !== title) document.title = title;
 }
 
 /** Shows in red why nothing is heard; hidden if all is well. */
@@ -146,6 +154,7 @@ function openPage(name) {
 /** Replays a history: the page's own, or that of a live view. */
 function replay(history) {
   document.body.className = "replay";
+  byName("line-troubles").setAttribute("aria-live", "off"); // they are not of now
   byName("title").textContent = document.title = history.title;
   source = new ReplaySource(history);
   player = new Player(source, () => schedule(!player?.playing));

@@ -257,6 +257,19 @@ def test_a_paused_page_is_dimmed_and_goes_on_to_tell_of_troubles(
     assert browser.until(f"{LIVE} && [flotilla.shown.vessels.length]") == [2]
 
 
+def test_a_fault_is_read_out_and_in_the_title(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    browser.until("return document.title === 'Flotilla'")
+    fault = {"state": "FAULT", "text": "FAULT: own state jumps"}
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **fault)])
+    browser.until("return document.title === '1 in trouble · Flotilla'")
+    browser.until("return document.getElementById('newest').textContent === 'Boat 2: FAULT'")
+    live = "return ['line-troubles', 'newest'].map((id) => document.getElementById(id).ariaLive)"
+    assert browser.run(live) == ["assertive", "polite"]
+    four.frames = fleet(2)
+    browser.until("return document.title === 'Flotilla'")
+
+
 def test_two_clicks_tell_the_distance_between_them(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     browser.run("document.getElementById('nearer').click()")
