@@ -78,7 +78,7 @@ class SaidByBoat:
             return
         vessel = self._vessel
         vessel.hear(message, t_s)
-        self.states.note(t_s, vessel.state)
+        self.states.note(t_s, vessel.present_state)
         self.held.note(t_s, list(vessel.held()))
         self.texts.note(t_s, vessel.texts.last or None)
         self._severities.note(t_s, vessel.severity)

@@ -152,7 +152,7 @@ class Fleet:
             "thrust_N": _pair(thrust),
             "limits_N": _pair(limits),
             "item": self.plans.item.get(vessel.system),
-            "state": vessel.state,
+            "state": vessel.present_state,
             "unknown_mode": vessel.unknown_mode,
             "held": vessel.held(),
             "conditions_lost_s": _round(vessel.conditions_lost_s(), 1),

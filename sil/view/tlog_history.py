@@ -144,7 +144,7 @@ class _Told:
 
     def note(self, t_s: float, vessel: Vessel) -> None:
         """Note its state, missing conditions and text."""
-        self._states.note(t_s, vessel.state)
+        self._states.note(t_s, vessel.present_state)
         self._held.note(t_s, list(vessel.held()))
         self._texts.note(t_s, vessel.texts.last or None)
         self._severities.note(t_s, vessel.severity)

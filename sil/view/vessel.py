@@ -34,11 +34,11 @@ class Vessel:
         self.messages = 0
         self.heard_s = self.beat_s = 0.0
         self.kind: str | None = None
+        self.state: str | None = None  # in its last HEARTBEAT
         self.texts = Texts()
         self.severity: int | None = None  # of the last text, MAV_SEVERITY
         self.motion = Motion()
         self.aboard = Aboard()
-        self._state: str | None = None
         self._mode: int | None = None  # custom_mode of a boat's HEARTBEAT without a known state
         self._main = 256
         self._is_companion = False  # a Flotilla beside another autopilot
@@ -58,7 +58,9 @@ class Vessel:
             self._beat(component, fields, now_s)
         elif number == messages.STATUSTEXT:
             severity, piece, text, chunk = fields
-            if self.texts.hear(component, piece, text, chunk, now_s):
+            before = self.texts.last
+            self.texts.hear(component, piece, text, chunk, now_s)
+            if self.texts.last != before:
                 self.severity = severity
         elif component == self._main:
             if number == messages.ATTITUDE:
@@ -71,9 +73,9 @@ class Vessel:
                 self._is_companion = True
 
     @property
-    def state(self) -> str | None:
+    def present_state(self) -> str | None:
         """A boat's state; None if its last HEARTBEAT was 5 s before its last message."""
-        return self._state if self._beats() else None
+        return self.state if self._beats() else None
 
     @property
     def unknown_mode(self) -> int | None:
@@ -96,9 +98,9 @@ class Vessel:
         """The boat's messages for the conditions that keep it out of FORMATION."""
         told = [self.value(name) for name in _CONDITIONS]
         halves = [int(half) for half in told if half is not None and 0 <= half < 1 << 24]
-        if self._state is None or len(halves) < len(told):
+        if self.state is None or len(halves) < len(told):
             return ()
-        return states.held_by(halves[0] | halves[1] << 24, self._state)
+        return states.held_by(halves[0] | halves[1] << 24, self.state)
 
     def conditions_lost_s(self) -> float | None:
         """How long ago it told its conditions, if they are known no more; else None."""
@@ -132,8 +134,8 @@ class Vessel:
             self.kind = "boat" if ours else "vessel"
         self.beat_s = now_s
         is_boat = self.kind == "boat"
-        self._state = state_of(custom_mode, base_mode, status) if is_boat else None
-        self._mode = custom_mode if is_boat and self._state is None else None
+        self.state = state_of(custom_mode, base_mode, status) if is_boat else None
+        self._mode = custom_mode if is_boat and self.state is None else None
 
     def _look_at_clock(self, boot_ms: int, now_s: float) -> None:
         """Drop all values from before a restart of the vessel."""
