@@ -4,9 +4,10 @@
 from math import isfinite, nan
 from typing import Any
 
+from sil.view.validity import LEAST_S, Validity
 from sil.wire import mavlink_messages as messages
 
-_SLOW_S, _RARE_S = 5.0, 20.0  # validity of values sent once a second, and every 5 s
+_RARE_S = 20.0  # least validity of values sent every 5 s
 _UNKNOWN_mV, _UNKNOWN_cdegC = 65535, 32767
 _MOST_VALUES = 100
 _GROUP = 4
@@ -15,18 +16,24 @@ ESC_NUMBERS = tuple(_DIGITS)
 
 
 class _Kept:
-    """Numbers by name, each with the time until which it is valid."""
+    """Numbers by name, each with its validity."""
 
     def __init__(self) -> None:
-        self._numbers: dict[str, tuple[float, float]] = {}
+        self._numbers: dict[str, float] = {}
+        self._valid: dict[str, Validity] = {}
 
-    def put(self, name: str, number: float, until_s: float) -> None:
+    def put(self, name: str, number: float, now_s: float, least_s: float = LEAST_S) -> None:
         if name in self._numbers or len(self._numbers) < _MOST_VALUES:
-            self._numbers[name] = until_s, number
+            self._numbers[name] = number
+            self._valid.setdefault(name, Validity()).renew(now_s, least_s)
 
     def get(self, name: str, now_s: float) -> float | None:
-        until_s, number = self._numbers.get(name, (-1.0, nan))
-        return number if now_s <= until_s and isfinite(number) else None
+        number = self._numbers.get(name, nan)
+        return number if isfinite(number) and now_s <= self._valid[name].until_s else None
+
+    def lost_s(self, name: str, now_s: float) -> float | None:
+        there = name in self._numbers and self.get(name, now_s) is None
+        return now_s - self._valid[name].heard_s if there else None
 
 
 class Aboard:
@@ -41,6 +48,10 @@ class Aboard:
     def value(self, name: str, now_s: float) -> float | None:
         """The value of a NAMED_VALUE_FLOAT."""
         return self._values.get(name, now_s)
+
+    def lost_s(self, name: str, now_s: float) -> float | None:
+        """How long ago it was sent, if it is known no more; None if valid or never sent."""
+        return self._values.lost_s(name, now_s)
 
     def battery_V(self, now_s: float) -> float | None:
         """The lowest voltage at the ESCs, reported by the boat."""
@@ -65,25 +76,25 @@ class Aboard:
 
     def _named_value(self, f: tuple[Any, ...], now_s: float) -> None:
         name = f[2].split(b"\0")[0].decode("ascii", "replace")
-        self._values.put(name, f[1], now_s + _SLOW_S)
+        self._values.put(name, f[1], now_s)
 
     def _system_status(self, f: tuple[Any, ...], now_s: float) -> None:
         volts = nan if f[4] == _UNKNOWN_mV else 0.001 * f[4]
         # Cannot collide: no NAMED_VALUE_FLOAT of ours begins with a small letter.
-        self._values.put("battery", volts, now_s + _SLOW_S)
+        self._values.put("battery", volts, now_s)
 
     def _esc_status(self, f: tuple[Any, ...], now_s: float) -> None:
         for i, esc in self._of_group(f[13]):
             for name, number in zip(
                 ("rpm", "voltage_V", "current_A"), f[1 + i : 13 : 4], strict=True
             ):
-                esc.put(name, number, now_s + _SLOW_S)
+                esc.put(name, number, now_s)
 
     def _esc_info(self, f: tuple[Any, ...], now_s: float) -> None:
         for i, esc in self._of_group(f[14]):
             warmth_C = nan if f[10 + i] == _UNKNOWN_cdegC else 0.01 * f[10 + i]
-            esc.put("errors", f[1 + i], now_s + _RARE_S)
-            esc.put("temperature_C", warmth_C, now_s + _RARE_S)
+            esc.put("errors", f[1 + i], now_s, _RARE_S)
+            esc.put("temperature_C", warmth_C, now_s, _RARE_S)
             online = f[17] >> i & 1
             (self._offline.discard if online else self._offline.add)(f[14] + i)
 

@@ -11,10 +11,10 @@ class Changes:
         self.list: list[list[Any]] = []
 
     def note(self, t_s: float, value: Any) -> None:
-        """Note the value at `t_s`; None, for unknown, is ignored."""
-        if value is None:
+        """Note the value at `t_s`; None, for unknown, counts only after a known one."""
+        before = self.list[-1][1] if self.list else None
+        if value == before:
             return
         if t_s <= 0.0:
             self.list.clear()
-        if not self.list or self.list[-1][1] != value:
-            self.list.append([round(t_s, 3), value])
+        self.list.append([round(t_s, 3), value])

@@ -3,10 +3,11 @@
 
 A history is `{"title", "t_s", "vessels": [{"id", "kind", "length_m", "limits_N", "leader", …}]}`.
 Quantities that change are columns of the same length as `t_s`: base64 of little-endian float32, NaN
-if unknown; a column without any known value is absent. `states`, `held`, `texts`, `plans` (see
-`sil.view.seen_plan.drawn`) and `items` (the one ahead) are lists of [t_s, value], each value valid
-from its time on. `origin_deg`, if known: latitude and longitude of the origin of all positions.
-`plan_of`: if the first vessel is the plan of a boat that leads, that boat's id.
+if unknown; a column without any known value is absent. `states`, `held`, `texts` with their
+`severities` (MAV_SEVERITY), `plans` (see `sil.view.seen_plan.drawn`) and `items` (the one ahead)
+are lists of [t_s, value], each value valid from its time on, None if unknown again. `origin_deg`,
+if known: latitude and longitude of the origin of all positions. `plan_of`: if the first vessel is
+the plan of a boat that leads, that boat's id.
 """
 
 import base64
@@ -37,6 +38,9 @@ COLUMNS = (
     "slot_y_m",
     "error_m",
     "in_slot",
+    "conditions_lost_s",
+    "senders",
+    "unknown_mode",
     "thrust_port_N",
     "thrust_stbd_N",
     "link_age_s",
@@ -109,7 +113,7 @@ def kept(count: int, most: int = MOST_SAMPLES) -> npt.NDArray[np.int64]:
 def vessel(about: Boat, kind: str, columns: Mapping[str, npt.ArrayLike]) -> dict[str, Any]:
     """An entry of a history's `vessels`; `columns`: thinned arrays (T) by names of `COLUMNS`.
 
-    Its `states`, `held`, `texts`, `plans` and `items` are empty lists, for the caller to fill.
+    Its lists of changes, `states` to `items`, are empty, for the caller to fill.
     """
     if unknown := set(columns) - set(COLUMNS):
         raise ValueError(f"unknown columns of a history: {', '.join(sorted(unknown))}")
@@ -123,6 +127,7 @@ def vessel(about: Boat, kind: str, columns: Mapping[str, npt.ArrayLike]) -> dict
         "states": [],
         "held": [],
         "texts": [],
+        "severities": [],
         "plans": [],
         "items": [],
     }

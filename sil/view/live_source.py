@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A live view: turns messages heard at an address into frames for the page."""
 
-import json
 import time
 from collections import deque
 from collections.abc import Iterable
@@ -9,13 +8,14 @@ from typing import Any
 
 from sil.view import alarm
 from sil.view.hear import Listener
+from sil.view.plain_json import json_of
 from sil.view.seen_fleet import Fleet
 from sil.view.tlog_history import Watch
 from sil.wire.mavlink_ear import Message
 
 FRAMES_PER_S = 10
 _WINDOW_S = 1.0
-_PLANS_EVERY = 10  # frames
+_NEWS_EVERY = 10  # frames
 
 
 class Live:
@@ -27,7 +27,7 @@ class Live:
         self._watch = Watch(self._fleet)
         self._began_s = time.monotonic()
         self._frames = 0
-        self._plans: dict[int, Any] = {}
+        self._news: tuple[dict[int, Any], int] = {}, 0
         self._bytes, self._heard_s = 0, 0.0
         self._heard: deque[tuple[float, int]] = deque([(0.0, 0)])
 
@@ -57,12 +57,14 @@ class Live:
         vessels = self._fleet.vessels(now_s)
         plans = self._fleet.drawn_plans()
         ear = self._listener.ear
-        # Plans are long and seldom change; who opens the page gets them a little later.
+        # Plans and texts are long and seldom change; who opens the page gets them a little later.
         self._frames += 1
-        is_news = plans is not self._plans or self._frames % _PLANS_EVERY == 0
-        self._plans = plans
+        texts_heard = self._fleet.texts_heard
+        is_news = plans is not self._news[0] or texts_heard != self._news[1]
+        self._news = plans, texts_heard
+        is_sent = is_news or self._frames % _NEWS_EVERY == 0
         return {
-            **({"plans": plans} if is_news else {}),
+            **({"plans": plans, "texts": self._fleet.texts()} if is_sent else {}),
             "t_s": round(now_s, 3),
             "origin_deg": self._fleet.origin_deg,
             "heard": {
@@ -78,7 +80,7 @@ class Live:
 
     def text(self) -> str:
         """The frame as JSON."""
-        return json.dumps(self.frame(), separators=(",", ":"), allow_nan=False)
+        return json_of(self.frame())
 
     def _alarm(self, now_s: float) -> str | None:
         """Why nothing is heard and what to check; None if all is well."""

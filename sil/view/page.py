@@ -17,6 +17,7 @@ import flotilla
 
 from sil.common.colours import COLOURS
 from sil.lockstep import metrics
+from sil.view.plain_json import json_of
 
 _PARTS = Path(__file__).parent / "page"
 _OWN_LIBRARY = _PARTS / "chart.min.js"
@@ -154,8 +155,7 @@ def _page(title: str, history: Mapping[str, Any] | None, has_chart: bool) -> str
 
 def _json(value: object) -> str:
     """JSON that no HTML parser mistakes for markup."""
-    text = json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
-    return text.replace("<", "\\u003c")
+    return json_of(value).replace("<", "\\u003c")
 
 
 @cache

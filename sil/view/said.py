@@ -58,6 +58,7 @@ class SaidByBoat:
         self.system = system
         self._vessel = Vessel(system, 0.0)
         self.states, self.held, self.texts = Changes(), Changes(), Changes()
+        self._severities = Changes()
         self._numbers: dict[str, list[tuple[float, float]]] = {}
         self._seen = Plans(lambda number: number == system)
         self._plans, self._items = Changes(), Changes()
@@ -77,9 +78,10 @@ class SaidByBoat:
             return
         vessel = self._vessel
         vessel.hear(message, t_s)
-        self.states.note(t_s, vessel.state)
+        self.states.note(t_s, vessel.present_state)
         self.held.note(t_s, list(vessel.held()))
         self.texts.note(t_s, vessel.texts.last or None)
+        self._severities.note(t_s, vessel.severity)
         match message.number:
             case messages.SYS_STATUS:
                 self._note("battery_V", t_s, vessel.aboard.battery_V(t_s))
@@ -114,6 +116,7 @@ class SaidByBoat:
             at_s, values = np.array([(-np.inf, np.nan), *numbers]).T
             columns[name] = column(values[np.searchsorted(at_s, t_s, side="right") - 1])
         changes = {"states": self.states, "held": self.held, "texts": self.texts}
+        changes["severities"] = self._severities
         plans = [[at_s, drawn(plan, _in_the_world)] for at_s, plan in self._plans.list]
         columns |= {"plans": plans, "items": self._items.list}
         return {**{name: each.list for name, each in changes.items()}, **columns}

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """All vessels heard, in one local frame. Times are the listener's, s."""
 
+from collections import deque
 from collections.abc import Iterable
 from math import cos, hypot, radians
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ _ELSEWHERE_M = 50_000.0
 _FAR_M = 1e6
 _PATIENCE_S = 2.0
 _M_PER_DEGE7 = 0.0111
+_MOST_TEXTS = 50
 
 
 class Pose(NamedTuple):
@@ -32,8 +34,9 @@ class Fleet:
     """Vessels by system id; at most 255.
 
     The view's frame has the first origin that is received; it moves when all vessels now heard are
-    more than 50 km away. A vessel is dropped after 60 s of silence. `length_m`: length of the
-    boats, which they do not send. `plans`: theirs.
+    more than 50 km away. A boat is never dropped for its silence: where it was last is where to
+    look for it. Other vessels are, after 60 s. `length_m`: length of the boats, which they do not
+    send. `plans`: theirs.
     """
 
     def __init__(self, length_m: float) -> None:
@@ -41,6 +44,8 @@ class Fleet:
         self.unknown = 0
         self.origin: Origin | None = None
         self.plans = Plans(self._is_vessel)
+        self.texts_heard = 0
+        self._texts: deque[tuple[int, float, int, int | None, str]] = deque(maxlen=_MOST_TEXTS)
         self._length_m = length_m
         self._drawn: tuple[object, dict[int, Any]] = (None, {})
         self._frames: dict[Origin, LocalFrame] = {}
@@ -66,7 +71,10 @@ class Fleet:
                 continue
             if vessel is None:
                 vessel = self.systems[message.system] = Vessel(message.system, now_s)
+            before = vessel.texts.last
             vessel.hear(message, now_s)
+            if vessel.texts.last != before:
+                self._note_text(vessel, now_s)
             self.plans.hear(message)
             if message.number == messages.GPS_GLOBAL_ORIGIN:
                 self._look_at_origin(vessel, now_s)
@@ -76,7 +84,7 @@ class Fleet:
     def vessels(self, now_s: float) -> list[dict[str, Any]]:
         """The vessels of a frame for the page, sorted by id; unknown values are None."""
         for vessel in tuple(self.systems.values()):
-            if now_s - vessel.heard_s > FORGOTTEN_S:
+            if vessel.kind != "boat" and now_s - vessel.heard_s > FORGOTTEN_S:
                 del self.systems[vessel.system]
                 self._slots.pop(vessel.system, None)
                 self.plans.forget(vessel.system)
@@ -85,6 +93,15 @@ class Fleet:
             self._look_at_globe(now_s)
         known = sorted(k for k, v in self.systems.items() if v.kind is not None)
         return [self._told(self.systems[system], now_s) for system in known]
+
+    def texts(self) -> list[tuple[int, float, int, int | None, str]]:
+        """The vessels' last texts: number of the text, time, system id, severity, text."""
+        return [text for text in self._texts if self._is_vessel(text[2])]
+
+    def _note_text(self, vessel: Vessel, now_s: float) -> None:
+        self.texts_heard += 1
+        text = vessel.severity, vessel.texts.last
+        self._texts.append((self.texts_heard, round(now_s, 3), vessel.system, *text))
 
     def drawn_plans(self) -> dict[int, Any]:
         """The drawings of the vessels' plans, by system id: see `seen_plan.drawn`."""
@@ -120,6 +137,7 @@ class Fleet:
         return {
             "id": vessel.system,
             "kind": vessel.kind,
+            "senders": vessel.senders(),
             "x_m": _round(pose and pose.x, 3),
             "y_m": _round(pose and pose.y, 3),
             "place_age_s": None if place is None else round(max(0.0, now_s - place.t_s), 2),
@@ -134,9 +152,12 @@ class Fleet:
             "thrust_N": _pair(thrust),
             "limits_N": _pair(limits),
             "item": self.plans.item.get(vessel.system),
-            "state": vessel.state if at_s - vessel.beat_s <= SILENT_S else None,
+            "state": vessel.present_state,
+            "unknown_mode": vessel.unknown_mode,
             "held": vessel.held(),
+            "conditions_lost_s": _round(vessel.conditions_lost_s(), 1),
             "text": vessel.texts.last or None,
+            "text_age_s": round(now_s - vessel.texts.said_s, 1) if vessel.texts.last else None,
             "link_age_s": round(max(0.0, now_s - at_s), 2),
             "leader_age_s": _round(value("LEAD_AGE"), 3),
             "battery_V": _round(vessel.aboard.battery_V(at_s), 2),
@@ -216,7 +237,7 @@ class Fleet:
         motion = vessel.motion
         if motion.slot is None:
             return None
-        return self._seen(Place(motion.slot_s, False, *motion.slot), None, motion.origin)
+        return self._seen(Place(0.0, False, *motion.slot), None, motion.origin)
 
     def _leader_pose(self, vessel: Vessel, now_s: float) -> Pose | None:
         number = vessel.value("LEADER")

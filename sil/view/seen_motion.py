@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sil.view.validity import Validity
 from sil.wire import mavlink_messages as messages
 
 Origin = tuple[int, int, int]
@@ -31,7 +32,7 @@ class Motion:
         self.origin: Origin | None = None
         self.psi_rad: float | None = None
         self.slot: tuple[float, float] | None = None
-        self.slot_s = 0.0
+        self.slot_valid = Validity()
         self._psi_s = self._velocity_s = 0.0
         self._velocity: tuple[float, float] | None = None  # north, east
         self._local: Place | None = None
@@ -117,7 +118,8 @@ class Motion:
 
     def _slot(self, f: tuple[Any, ...], now_s: float) -> None:
         if _finite(f[1], f[2]):
-            self.slot, self.slot_s = (f[1], f[2]), now_s
+            self.slot = f[1], f[2]
+            self.slot_valid.renew(now_s)
 
 
 def _finite(*numbers: float) -> bool:

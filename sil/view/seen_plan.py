@@ -8,6 +8,7 @@ commands.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -44,7 +45,7 @@ class Item(NamedTuple):
 
     number: int
     command: int
-    first: float  # parameter 1
+    first: float  # parameter 1, 0 if it is not finite
     place: tuple[int, int]  # degE7
 
 
@@ -121,7 +122,8 @@ class Plans:
             return
         draft = self._drafts.setdefault((sender, receiver, kind), _Draft(None))
         place = (f[4], f[5]) if frame in _FRAMES else (0, 0)
-        draft.items[number] = Item(number, command, f[0], place)
+        first = f[0] if isfinite(f[0]) else 0.0
+        draft.items[number] = Item(number, command, first, place)
         if self._is_told(sender, receiver) and draft.count is not None:
             whole = draft.whole()
             if whole is not None:
@@ -177,12 +179,15 @@ def drawn(plan: dict[int, Items], convert: Convert) -> dict[str, Any]:
 
 
 def _fence(items: Items, at: Callable[[Item], list[float] | None]) -> list[dict[str, Any]]:
-    """Circles and polygons; each corner of a polygon contains the number of corners."""
+    """Circles and polygons; each corner of a polygon contains the number of corners.
+
+    Leaves out a circle without a radius and a corner without a number.
+    """
     shapes: list[dict[str, Any]] = []
     corners: list[list[float]] = []
     for item in items:
         place = at(item)
-        if place is None:
+        if place is None or item.first <= 0.0:
             continue
         if item.command in _CIRCLES:
             circle = {"inside": _CIRCLES[item.command], "centre": place, "radius_m": item.first}

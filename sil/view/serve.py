@@ -4,7 +4,6 @@
 import asyncio
 import errno
 import ipaddress
-import json
 import re
 import signal
 import socket
@@ -22,6 +21,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from sil.view import alarm, page
 from sil.view.chart import Chart
 from sil.view.live_source import FRAMES_PER_S, Live
+from sil.view.plain_json import json_of
 
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -75,7 +75,10 @@ class Server:
             self._source = self._source.history()
             self._text = self._page()
             for client in tuple(self._clients):
-                client.tell('{"over":true}')
+                client.end()
+
+    def _is_over(self) -> bool:
+        return not isinstance(self._source, Live)
 
     def _page(self) -> str:
         has_chart = self._chart is not None
@@ -85,7 +88,7 @@ class Server:
 
     def _history(self) -> str:
         source = self._source.history() if isinstance(self._source, Live) else self._source
-        return json.dumps(source, separators=(",", ":"))
+        return json_of(source)
 
     def _application(self) -> tornado.web.Application:
         json_kind = "application/json"
@@ -95,9 +98,9 @@ class Server:
             (r"/history", _Text, {"text": self._history, "kind": json_kind}),
         ]
         if isinstance(self._source, Live):
-            routes.append((r"/live", _Frames, {"clients": self._clients}))
+            routes.append((r"/live", _Frames, {"clients": self._clients, "is_over": self._is_over}))
         if self._chart is not None:
-            about = json.dumps(self._chart.about, separators=(",", ":"))
+            about = json_of(self._chart.about)
             routes.append((r"/chart", _Text, {"text": lambda: about, "kind": json_kind}))
             routes.append((r"/tile/(\d{1,2})/(\d{1,9})/(\d{1,9})", _Tile, {"chart": self._chart}))
         application = tornado.web.Application(
@@ -149,12 +152,14 @@ class _Tile(tornado.web.RequestHandler):
 class _Frames(WebSocketHandler):
     """The WebSocket of an open page; ignores the page's messages."""
 
-    def initialize(self, clients: "set[_Frames]") -> None:
-        self._clients = clients
+    def initialize(self, clients: "set[_Frames]", is_over: Callable[[], bool]) -> None:
+        self._clients, self._is_over = clients, is_over
         self._sent: Future[None] | None = None
 
     def open(self, *_: str, **__: str) -> None:
         self._clients.add(self)
+        if self._is_over():
+            self.end()
 
     def on_close(self) -> None:
         self._clients.discard(self)
@@ -164,8 +169,14 @@ class _Frames(WebSocketHandler):
 
     def tell(self, text: str) -> None:
         """Send a frame, unless the last one is still being sent."""
-        if self._sent is not None and not self._sent.done():
-            return
+        if self._sent is None or self._sent.done():
+            self._send(text)
+
+    def end(self) -> None:
+        """Tell the page that no more frames follow; waits behind a frame that is being sent."""
+        self._send('{"over":true}')
+
+    def _send(self, text: str) -> None:
         with suppress(WebSocketClosedError):
             self._sent = asyncio.ensure_future(self.write_message(text))
             self._sent.add_done_callback(_look)

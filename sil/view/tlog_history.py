@@ -11,7 +11,7 @@ import numpy as np
 from sil.view.aboard import ESC_NUMBERS
 from sil.view.changes import Changes
 from sil.view.history import COLUMNS, LENGTH_M, SIDES, column, most_samples
-from sil.view.seen_fleet import Fleet
+from sil.view.seen_fleet import FORGOTTEN_S, Fleet
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.mavlink_ear import Ear, Message
@@ -29,6 +29,7 @@ _PLACES = {
 }
 _ESCS = {f"{s}_{name}": (side, name) for side, s in enumerate(SIDES) for name in ESC_NUMBERS}
 _NOTHING = [nan] * len(COLUMNS)
+_FORGOTTEN = [FORGOTTEN_S if name == "link_age_s" else nan for name in COLUMNS]
 Told = dict[str, Any]
 
 
@@ -85,8 +86,16 @@ class Watch:
             self._look(len(self.times) * self._step_s)
 
     def history(self, title: str) -> Told:
-        """The history so far, ending with the vessels' last values."""
-        self._look(max([self._last_s, *(t_s + _MOMENT_S for t_s in self.times[-1:])]))
+        """The history so far, ending with the vessels' last values; changes nothing."""
+        samples = len(self.times)
+        self._sample(max([self._last_s, *(t_s + _MOMENT_S for t_s in self.times[-1:])]))
+        told = self._history(title)
+        del self.times[samples:]
+        for vessel in self._told.values():
+            vessel.keep(samples)
+        return told
+
+    def _history(self, title: str) -> Told:
         return {
             "title": title,
             "origin_deg": self._fleet.origin_deg,
@@ -99,14 +108,17 @@ class Watch:
         }
 
     def _look(self, t_s: float) -> None:
-        for vessel in self._fleet.vessels(t_s):
-            self._told.setdefault(vessel["id"], _Told()).look(len(self.times), vessel)
-        self.times.append(t_s)
+        self._sample(t_s)
         if len(self.times) >= most_samples(max(1, len(self._told))):
             self._step_s *= 2.0
             for told in self._told.values():
                 told.halve(len(self.times))
             self.times = self.times[::2]
+
+    def _sample(self, t_s: float) -> None:
+        for vessel in self._fleet.vessels(t_s):
+            self._told.setdefault(vessel["id"], _Told()).look(len(self.times), t_s, vessel)
+        self.times.append(t_s)
 
 
 class _Told:
@@ -117,12 +129,14 @@ class _Told:
         self._rows: list[list[float]] = []
         self._leader: int | None = None
         self._limits_N: tuple[float, float] | None = None
-        self._states, self._held, self._texts = Changes(), Changes(), Changes()
+        self._states, self._held = Changes(), Changes()
+        self._texts, self._severities = Changes(), Changes()
         self.plans, self.items = Changes(), Changes()
 
-    def look(self, index: int, vessel: Told) -> None:
+    def look(self, index: int, t_s: float, vessel: Told) -> None:
         """Add the sample with this index."""
         self._fill(index)
+        self._states.note(t_s, vessel["state"])
         self._rows.append([_number(vessel, name) for name in COLUMNS])
         self.last = vessel
         self._leader = self._leader if vessel["leader"] is None else vessel["leader"]
@@ -130,9 +144,14 @@ class _Told:
 
     def note(self, t_s: float, vessel: Vessel) -> None:
         """Note its state, missing conditions and text."""
-        self._states.note(t_s, vessel.state)
+        self._states.note(t_s, vessel.present_state)
         self._held.note(t_s, list(vessel.held()))
         self._texts.note(t_s, vessel.texts.last or None)
+        self._severities.note(t_s, vessel.severity)
+
+    def keep(self, samples: int) -> None:
+        """Drop all but the first samples."""
+        del self._rows[samples:]
 
     def halve(self, samples: int) -> None:
         """Drop every other one of `samples` samples."""
@@ -151,12 +170,15 @@ class _Told:
             "states": self._states.list,
             "held": self._held.list,
             "texts": self._texts.list,
+            "severities": self._severities.list,
             "plans": [[t_s, draw(plan)] for t_s, plan in self.plans.list],
             "items": self.items.list,
         }
 
     def _fill(self, samples: int) -> None:
-        self._rows += [_NOTHING] * (samples - len(self._rows))
+        """Fill a gap: unheard before its first sample, then forgotten for its silence."""
+        is_heard = bool(self._rows) and self._rows[-1] is not _NOTHING
+        self._rows += [_FORGOTTEN if is_heard else _NOTHING] * (samples - len(self._rows))
 
 
 def _number(vessel: Told, column_name: str) -> float:

@@ -103,7 +103,8 @@ class Card {
     const leader = byId.get(vessel.leader);
     say(this.follows, vessel.leader === null || vessel.leader === 0 ? "" : leader?.kind === "leader" ? "follows leader" : `follows ${vessel.leader}`);
     say(this.why, troubles.join("; "));
-    say(this.text, vessel.text && vessel.text !== vessel.state ? `“${vessel.text}”` : "");
+    const ago = known(vessel.text_age_s) ? ` ${age(vessel.text_age_s)} ago` : "";
+    say(this.text, vessel.text && vessel.text !== vessel.state ? `“${vessel.text}”${ago}` : "");
     this.showDrives(silent ? { ...vessel, thrust_N: null, escs: [] } : vessel);
   }
 

@@ -31,6 +31,7 @@ class SeaChart {
     this.about = null;
     this.version = 0; // changes whenever it must be redrawn
     this.tiles = new Map();
+    this.again_ms = 30000; // a tile that failed, as one does while the view is away, is asked for again
     if (CONFIG.has_chart) this.load();
   }
 
@@ -104,6 +105,7 @@ class SeaChart {
     if (!this.tiles.has(address)) {
       const image = new Image();
       image.onload = () => this.renew();
+      image.onerror = () => setTimeout(() => this.tiles.delete(address) && this.renew(), this.again_ms);
       image.src = address;
       this.tiles.set(address, image);
       if (this.tiles.size > KEPT_TILES) this.tiles.delete(this.tiles.keys().next().value);

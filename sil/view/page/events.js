@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: MIT
 // Events: changes of state, unmet conditions, texts, silence. Shown as a list and as marks over time.
-const MOST_EVENTS = 400;
+const MOST_EVENTS = 400, MOST_READ = 5;
 /** By kind of change: its colour and text, or null if it is not an event. */
 const TOLD = {
   states: (state) => [STATE_THEME[state], state],
   held: (held) => (held.length ? ["bad", held.join("; ")] : ["good", "nothing is missing any more"]),
-  texts: (text) => (STATES.includes(text) ? null : ["calm", `“${text}”`]),
+  texts: (text, severity) => (STATES.includes(text) ? null : [ofSeverity(severity), `“${text}”`]),
   silent: (silent) => (silent ? ["bad", `silent for ${SILENT_S} s`] : ["good", "heard again"]),
 };
 
-function eventOf(t_s, vessel, what, value) {
-  const told = value === null ? null : TOLD[what](value);
+/** The colour of a MAV_SEVERITY, which may be unknown. */
+const ofSeverity = (severity) => (!known(severity) || severity > 4 ? "calm" : severity > 3 ? "warn" : "bad");
+
+function eventOf(t_s, vessel, what, value, severity = null) {
+  const told = value === null ? null : TOLD[what](value, severity);
   return told && { t_s, key: vessel.key, name: nameOf(vessel), colour: told[0], text: told[1] };
 }
 
-/** Changes from one live frame to the next. */
+/** Changes from one live frame to the next; texts are numbered, as a frame may have several. */
 class Changes {
   constructor() {
     this.before = new Map();
@@ -22,7 +25,7 @@ class Changes {
 
   of(t_s, vessel) {
     const out = [];
-    for (const [what, value] of [["states", vessel.state], ["held", vessel.held], ["texts", vessel.text], ["silent", isSilent(vessel)]]) {
+    for (const [what, value] of [["states", vessel.state], ["held", vessel.held], ["silent", isSilent(vessel)]]) {
       const name = `${vessel.key} ${what}`, before = this.before.get(name), now = JSON.stringify(value);
       if (before === undefined || value !== null) this.before.set(name, now);
       if (before !== undefined && before !== now && value !== null) out.push(eventOf(t_s, vessel, what, value));
@@ -35,7 +38,9 @@ class Changes {
 function eventsOf(vessel, t) {
   const out = [];
   for (const what of ["states", "held", "texts"]) {
-    for (const [t_s, value] of vessel[what] ?? []) if (t_s > t[0]) out.push(eventOf(t_s, vessel, what, value));
+    for (const [t_s, value] of vessel[what] ?? []) {
+      if (t_s > t[0]) out.push(eventOf(t_s, vessel, what, value, holding(vessel.severities, t_s, null)));
+    }
   }
   const ages = vessel.columns.link_age_s ?? [];
   for (let i = 1; i < ages.length; i += 1) {
@@ -79,7 +84,8 @@ class Events {
 
   /** A replay's events in order of time, live ones newest first. */
   fill(events, source) {
-    const order = source.begin_s === undefined ? [...events].reverse() : events;
+    const isLive = source.begin_s === undefined, order = isLive ? [...events].reverse() : events;
+    if (isLive) this.read(order);
     this.rows = order.map((event) => {
       const row = element("li"), button = element("button", row, { type: "button" });
       element("span", button, { class: "when", text: clock(event.t_s) });
@@ -89,8 +95,15 @@ class Events {
       return [event, row];
     });
     this.list.replaceChildren(...this.rows.map(([, row]) => row));
-    if (!order.length) element("li", this.list, { class: "none", text: "No change of state, fault or message yet." });
+    const since = isLive ? " since this page was opened" : "";
+    if (!order.length) element("li", this.list, { class: "none", text: `No change of state, fault or message${since}.` });
     this.marked = null;
+  }
+
+  /** Has a screen reader read the events that are new to the list. */
+  read(order) {
+    const before = order.indexOf(this.rows[0]?.[0]), fresh = order.slice(0, before < 0 ? MOST_READ : Math.min(before, MOST_READ));
+    say(document.getElementById("newest"), fresh.map(({ name, text }) => `${name}: ${text}`).join(". "));
   }
 
   /** Highlights the last event before a replay's time and scrolls the list to it. */

@@ -20,15 +20,19 @@ function noteClose(vessels) {
 /** The vessel's troubles, one sentence each; empty if it is well. */
 function troublesOf(vessel) {
   if (isSilent(vessel)) return [`silent for ${age(vessel.link_age_s)}${vessel.state ? `, last heard in ${vessel.state}` : ""}`];
-  const out = UNASKED.includes(vessel.state) ? [] : [...vessel.held];
+  const asked = !UNASKED.includes(vessel.state);
+  const out = asked ? [...vessel.held] : [];
   if (!out.length && ["FAULT", "COAST"].includes(vessel.state)) {
     // the text that tells of the state comes before the list of conditions
     const told = vessel.text?.startsWith(`${vessel.state}: `);
     out.push(told ? vessel.text.slice(vessel.state.length + 2) : vessel.state === "FAULT" ? "it reports a fault and gives no reason" : "it coasts and gives no reason");
   }
+  if (vessel.senders > 1) out.push(`two vessels use system id ${vessel.id}`);
+  if (asked && known(vessel.conditions_lost_s)) out.push(`conditions unknown for ${age(vessel.conditions_lost_s)}`);
   if (isElsewhere(vessel)) out.push(`position unknown: last heard ${age(vessel.place_age_s)} ago`);
   if (vessel.close) out.push(`${metres(vessel.close.apart_m)} from boat ${vessel.close.near.id}: nearer than a hull's length`);
-  if (vessel.stateLost) out.push("state unknown: no HEARTBEAT for more than 5 s");
+  if (known(vessel.unknown_mode)) out.push(`state unknown: its HEARTBEAT has custom_mode ${vessel.unknown_mode}`);
+  else if (vessel.stateLost) out.push("state unknown: no HEARTBEAT for more than 5 s");
   return out;
 }
 

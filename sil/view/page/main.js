@@ -8,7 +8,8 @@ const PAGES = ["fleet", "what-if"];
 
 readTheme();
 let source = null, player = null, plots = null, whatIf = null;
-let paused = false, shown = null, drawing = false, touched = true, later = 0;
+let paused_ms = null; // time of the pause of a live page
+let shown = null, drawing = false, touched = true, later = 0;
 const due = { plan: 0, cards: 0, plots: 0 };
 
 /** Requests a redraw: at once after user input, else when the next is due. */
@@ -35,7 +36,7 @@ function draw() {
   drawing = false;
   const now = performance.now(), every = touched;
   touched = false;
-  if (!paused || shown === null) shown = source.frame;
+  if (paused_ms === null || shown === null) shown = source.frame;
   const many = !player && shown.vessels.length > MANY ? 1 : 0;
   const chosen = plan.camera.mode in { fleet: 0, free: 0 } ? null : plan.camera.mode;
   plan.draw(shown, window_s(), chosen);
@@ -45,6 +46,7 @@ function draw() {
     noteClose(shown.vessels);
     cards.show(shown.vessels, chosen);
     tell(shown, chosen);
+    tellFleet(source.frame);
     events.draw(source, player ? [source.begin_s, source.end_s] : range(shown.t_s), shown.t_s);
   }
   if (plots && (every || now >= due.plots)) {
@@ -64,35 +66,49 @@ function drawPlots(chosen, every) {
   const [from, to] = range(shown.t_s);
   const wanted = `${from} ${to} ${chosen} ${dark.matches} ${plots.charts.error.width}`;
   if (player && wanted === drawnPlots) return;
-  if (paused && !every) return;
+  if (paused_ms !== null && !every) return;
   drawnPlots = wanted;
   const plotted = shown.vessels.filter((vessel, i) => i < MOST_PLOTTED || vessel.key === chosen);
   plots.draw(plotted, from, to, chosen);
 }
 
-/** Shows traffic, connection and clock, and which vessels the view can follow. */
-function tell(frame, chosen) {
-  const [kind, text] = source.status;
-  say(byName("status"), paused && !player ? "paused" : text);
-  byName("status").className = paused && !player ? "warn" : kind;
-  document.body.classList.toggle("cut", source.cut);
+/** Shows connection, alarms and traffic of the newest frame, also while an older one is shown. */
+function tellFleet(frame) {
+  const [kind, text] = source.status, paused = paused_ms !== null;
+  byName("status").setAttribute("aria-live", paused ? "off" : "polite"); // not every second
+  say(byName("status"), paused ? `paused for ${fixed((performance.now() - paused_ms) / 1000, 0)} s` : text);
+  byName("status").className = paused ? "warn" : kind;
+  document.body.classList.toggle("cut", source.cut || paused);
   alarm(source.cut ? text : frame.heard?.alarm);
+  noteClose(frame.vessels);
   for (const [name, line] of Object.entries(fleetLine(frame.vessels))) say(byName(`line-${name}`), line);
-  byName("line-troubles").className = byName("line-troubles").textContent.startsWith("none") ? "good" : "bad";
+  const troubles = byName("line-troubles").textContent, isWell = !troubles || troubles.startsWith("none");
+  byName("line-troubles").className = isWell ? "good" : "bad";
+  if (!player) entitle(source.cut ? text : isWell ? "" : troubles);
   if (frame.heard) {
     const { address, bytes_per_s, damaged, ignored } = frame.heard;
     const garbage = source.garbage ? ` · ${source.garbage} frames not understood` : "";
     const parts = [address ?? "", `${bytes(bytes_per_s)}/s`, `${frame.vessels.length} vessels`, `${bytes(damaged)} damaged`, `${fixed(ignored, 0)} messages ignored`];
     say(byName("heard"), source.frames ? parts.join(" · ") + garbage : "");
   }
+}
+
+/** Shows the clock, and which vessels the view can follow. */
+function tell(frame, chosen) {
   byName("nothing").hidden = frame.vessels.length > 0;
   say(byName("nothing"), frame.heard?.bytes_per_s > 0 ? "Bytes come in, but no vessel's HEARTBEAT is among them: check the baud rate, and that this is MAVLink." : "Nothing is heard yet.");
   say(byName("clock"), clock(frame.t_s));
-  say(byName("pause"), player ? (player.playing ? "Pause" : "Play") : paused ? "Go on" : "Pause");
+  say(byName("pause"), player ? (player.playing ? "Pause" : "Play") : paused_ms !== null ? "Go on" : "Pause");
   byName("pause").setAttribute("aria-label", byName("pause").textContent);
   const planned = frame.vessels.some(({ plan }) => plan?.way.length) ? [["plans", "fleet and plans"]] : [];
   const options = [["fleet", "whole fleet"], ...planned, ["free", "free"], ...frame.vessels.map((vessel) => [vessel.key, nameOf(vessel)])];
   fill(byName("centre"), options, plan.camera.mode);
+}
+
+/** Puts what is wrong before a live page's title, which a tab shows. */
+function entitle(wrong) {
+  const title = [wrong, byName("title").textContent].filter(Boolean).join(" · ");
+  if (document.title !== title) document.title = title;
 }
 
 /** Shows in red why nothing is heard; hidden if all is well. */
@@ -119,7 +135,7 @@ function centreOn(mode) {
 
 function togglePause() {
   if (player) player.toggle();
-  else paused = !paused;
+  else paused_ms = paused_ms === null ? performance.now() : null;
   schedule(true);
 }
 
@@ -138,12 +154,13 @@ function openPage(name) {
 /** Replays a history: the page's own, or that of a live view. */
 function replay(history) {
   document.body.className = "replay";
+  byName("line-troubles").setAttribute("aria-live", "off"); // they are not of now
   byName("title").textContent = document.title = history.title;
   source = new ReplaySource(history);
   player = new Player(source, () => schedule(!player?.playing));
   fill(byName("window"), [["0", "all"], ...WINDOWS], "0");
   say(byName("heard"), "");
-  [paused, shown] = [false, null];
+  [paused_ms, shown] = [null, null];
   plan.camera.placed = false;
   cards.clear();
   plots?.follow(source);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The live source: frames from the view's WebSocket. Counts and ignores invalid ones.
-const SILENT_MS = 3000;
+const SILENT_MS = 3000, LOAD_MS = 30000;
 const RETRY_MS = [250, 500, 1000, 2000];
-const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "link_age_s", "place_age_s", "leader_age_s", "battery_V", "item"];
+const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "conditions_lost_s", "senders", "unknown_mode", "link_age_s", "place_age_s", "leader_age_s", "text_age_s", "battery_V", "item"];
 const STATES = CONFIG.supervisor.states;
 
 const textOr = (x) => (typeof x === "string" ? x : null);
@@ -22,6 +22,8 @@ function cleanVessel(raw) {
   return out;
 }
 
+const isText = (x) => Array.isArray(x) && x.length === 5 && x.slice(0, 3).every(known) && typeof x[4] === "string";
+
 /** The frame in a received message; null if invalid. `over`: it was the last. */
 function cleanFrame(text) {
   let raw;
@@ -35,7 +37,8 @@ function cleanFrame(text) {
   const unique = new Map();
   for (const vessel of raw.vessels.map(cleanVessel)) if (vessel) unique.set(vessel.id, vessel);
   const vessels = [...unique.values()].sort((a, b) => a.id - b.id);
-  return { t_s: raw.t_s, plans: cleanPlans(raw.plans), origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
+  const texts = Array.isArray(raw.texts) ? raw.texts.filter(isText) : [];
+  return { t_s: raw.t_s, plans: cleanPlans(raw.plans), texts, origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
 }
 
 class LiveSource {
@@ -49,6 +52,7 @@ class LiveSource {
     this.frame = { t_s: 0, origin: null, heard: {}, vessels: [] };
     this.events = [];
     this.changes = new Changes();
+    this.texts = 0; // number of the last one
     this.tracks = new Map();
     this.plans = new Map();
     this.garbage = 0;
@@ -67,14 +71,34 @@ class LiveSource {
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     url.hash = url.search = "";
     const socket = new WebSocket(url);
-    socket.onopen = () => this.say("warn", "connected, waiting for the first frame");
-    socket.onmessage = (event) => this.take(event.data);
-    socket.onclose = () => {
-      clearTimeout(this.watchdog);
-      this.say("bad", "connection to the view lost, trying again");
-      setTimeout(() => this.connect(), RETRY_MS[Math.min(this.tries++, RETRY_MS.length - 1)]);
+    socket.onopen = () => {
+      this.watch();
+      // after a loss, the frame shown is old until the first new one
+      this.say(this.cut ? "bad" : "warn", "connected, waiting for the first frame");
     };
+    socket.onmessage = (event) => this.take(event.data);
+    socket.onclose = () => this.renew("connection to the view lost, trying again");
     this.socket = socket;
+    this.watch();
+  }
+
+  /** Renews the connection unless a frame arrives within 3 s. */
+  watch() {
+    clearTimeout(this.watchdog);
+    this.watchdog = setTimeout(() => this.renew("the view says nothing any more, trying again"), SILENT_MS);
+  }
+
+  /** Replaces the connection; a half-open one would take a minute to close. */
+  renew(why) {
+    this.drop();
+    this.say("bad", why);
+    setTimeout(() => this.connect(), RETRY_MS[Math.min(this.tries++, RETRY_MS.length - 1)]);
+  }
+
+  drop() {
+    clearTimeout(this.watchdog);
+    this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+    this.socket.close();
   }
 
   say(kind, text) {
@@ -89,12 +113,11 @@ class LiveSource {
       this.garbage += 1;
       return;
     }
-    clearTimeout(this.watchdog);
-    this.watchdog = setTimeout(() => this.say("bad", "the view says nothing any more"), SILENT_MS);
     if (frame.over) {
       this.end();
       return;
     }
+    this.watch();
     this.tries = 0;
     this.frames += 1;
     this.status = ["good", "live"];
@@ -106,6 +129,7 @@ class LiveSource {
     this.frame = frame;
     const here = new Set(frame.vessels.map((vessel) => vessel.key));
     for (const key of this.tracks.keys()) if (!here.has(key)) this.tracks.delete(key);
+    this.listen(frame);
     for (const vessel of frame.vessels) {
       this.track(vessel.key).push(frame.t_s, vessel);
       this.events.push(...this.changes.of(frame.t_s, vessel));
@@ -114,7 +138,19 @@ class LiveSource {
     this.changed();
   }
 
+  /** Lists the texts that are new to this page; when it opens, the last ones from before. */
+  listen({ texts, vessels }) {
+    const byId = new Map(vessels.map((vessel) => [vessel.id, vessel]));
+    for (const [number, t_s, id, severity, text] of texts) {
+      if (number <= this.texts) continue;
+      this.texts = number;
+      const event = byId.has(id) ? eventOf(t_s, byId.get(id), "texts", text, severity) : null;
+      if (event) this.events.push(event);
+    }
+  }
+
   forget() {
+    this.texts = 0;
     this.tracks.clear();
     this.plans = new Map();
     [this.events, this.changes] = [[], new Changes()];
@@ -122,9 +158,16 @@ class LiveSource {
 
   /** The server has stopped listening: continue as a replay. */
   async end() {
-    this.socket.onclose = null;
-    this.socket.close();
-    this.over(await (await fetch("history")).json());
+    this.drop();
+    this.say("bad", "the view has ended, loading what it heard");
+    let history;
+    try {
+      history = await (await fetch("history", { signal: AbortSignal.timeout(LOAD_MS) })).json();
+    } catch {
+      this.renew("what the view heard cannot be loaded, trying again");
+      return;
+    }
+    this.over(history);
   }
 
   track(key) {

@@ -8,19 +8,25 @@ function columnOf(text) {
   return Float32Array.from({ length: raw.length >> 2 }, (_, i) => view.getFloat32(4 * i, true));
 }
 
-/** The value valid at time s in a list of [t_s, value]. */
-function holding(list, s, otherwise) {
-  let found = otherwise;
-  for (const [from_s, value] of list ?? []) {
-    if (from_s > s + 1e-9) break;
-    found = value;
+/** The entry valid at time s in a list of [t_s, value]; null before the first. */
+function entryAt(list, s) {
+  let found = null;
+  for (const entry of list ?? []) {
+    if (entry[0] > s + 1e-9) break;
+    found = entry;
   }
   return found;
 }
 
+/** The value valid at time s in a list of [t_s, value]. */
+function holding(list, s, otherwise) {
+  const entry = entryAt(list, s);
+  return entry ? entry[1] : otherwise;
+}
+
 const ESCS = SIDES.map((side) => ESC_CELLS.map(([name]) => [name, `${side}_${name}`]));
 const CHANGING = [
-  "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m", "in_slot",
+  "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m", "in_slot", "conditions_lost_s", "senders", "unknown_mode",
   "thrust_port_N", "thrust_stbd_N", "link_age_s", "place_age_s", "leader_age_s", "battery_V",
   ...ESCS.flatMap((esc) => esc.map(([, column]) => column)),
 ];
@@ -84,6 +90,8 @@ class ReplaySource {
     };
     const both = (one, other) => (known(one) && known(other) ? [one, other] : null);
     const values = Object.fromEntries(CHANGING.map((name) => [name, at(name)]));
+    const state = holding(vessel.states, this.t_s, undefined); // null: not known any more
+    const [said_s, text] = entryAt(vessel.texts, this.t_s) ?? [null, null];
     const escs = ESCS.map((esc) => Object.fromEntries(esc.map(([name, column]) => [name, values[column]])));
     return {
       id: vessel.id, key: vessel.key, kind: vessel.kind, leader: vessel.leader ?? null,
@@ -92,9 +100,10 @@ class ReplaySource {
       escs: escs.some((esc) => Object.values(esc).some(known)) ? escs : [],
       slot: both(values.slot_x_m, values.slot_y_m),
       thrust_N: both(values.thrust_port_N, values.thrust_stbd_N),
-      state: holding(vessel.states, this.t_s, null),
+      state: state ?? null,
+      stateLost: vessel.kind === "boat" && (state === null || known(values.unknown_mode)) && !isSilent(values),
       held: holding(vessel.held, this.t_s, []),
-      text: holding(vessel.texts, this.t_s, null),
+      text, text_age_s: text === null ? null : this.t_s - said_s,
       plan: holding(vessel.plans, this.t_s, null),
       item: holding(vessel.items, this.t_s, null),
     };

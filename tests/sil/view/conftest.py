@@ -30,7 +30,8 @@ def browser(_chromium: Browser) -> Iterator[Browser]:
 
 
 @pytest.fixture
-def four() -> Iterator[Feeder]:
+def four(browser: Browser) -> Iterator[Feeder]:
     """Four boats behind a virtual leader, on their way for 20 s."""
     with feeding(fleet(4), begin_s=20.0) as feeder:
         yield feeder
+        browser.open("about:blank")  # otherwise the old page would look for its server

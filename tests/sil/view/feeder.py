@@ -17,7 +17,7 @@ import tornado.websocket
 
 from sil.view import page
 
-Message = str | bytes
+Message = str | bytes | None
 Frames = Callable[[float], Message]
 
 
@@ -64,9 +64,14 @@ def leader(t_s: float) -> dict[str, Any]:
     return {"id": 100, "kind": "leader", **place, **motion, **unknown, "held": [], "escs": []}
 
 
-def frame(t_s: float, vessels: list[Any]) -> str:
+def frame(t_s: float, vessels: list[Any], *texts: tuple[int, float, int, int, str]) -> str:
     heard = {"address": "mcast:", "bytes_per_s": 12345.0, "damaged": 7, "ignored": 3}
-    content = {"t_s": t_s, "heard": {**heard, "vessels": len(vessels)}, "vessels": vessels}
+    content = {
+        "t_s": t_s,
+        "heard": {**heard, "vessels": len(vessels)},
+        "vessels": vessels,
+        "texts": texts,
+    }
     return json.dumps(content)
 
 
@@ -78,7 +83,7 @@ def fleet(boats: int) -> Frames:
 class Feeder:
     """Serves the live page at `url` and sends `frames`, which may be exchanged, ten times a second.
 
-    `begin_s`: the time that the first frame says.
+    It sends nothing while they are None. `begin_s`: the time that the first frame says.
     """
 
     def __init__(self, frames: Frames, begin_s: float = 0.0) -> None:
@@ -108,6 +113,12 @@ class Feeder:
         self._loop.call_soon_threadsafe(self._stopped.set)
         self._thread.join()
 
+    def _send(self, message: str | bytes) -> None:
+        for socket in self._sockets:
+            # a page that has just been left
+            with suppress(tornado.websocket.WebSocketClosedError):
+                socket.write_message(message, binary=isinstance(message, bytes))
+
     async def _serve(self) -> None:
         self._stopped = asyncio.Event()
         server = tornado.httpserver.HTTPServer(_application(self._sockets))
@@ -118,10 +129,8 @@ class Feeder:
         self._ready.set()
         while not self._stopped.is_set():
             message = self.frames(self.begin_s + self._loop.time() - began_s)
-            for socket in self._sockets:
-                # a page that has just been left
-                with suppress(tornado.websocket.WebSocketClosedError):
-                    socket.write_message(message, binary=isinstance(message, bytes))
+            if message is not None:
+                self._send(message)
             await asyncio.sleep(0.1)
         server.stop()
         for socket in list(self._sockets):

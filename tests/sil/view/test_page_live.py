@@ -77,6 +77,7 @@ def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> 
     shown(browser, four)
     assert word(browser, "Boat 2", ".state") == "FORMATION"
     lost = {"held": ["leader's state is not fresh"], "text": "leader is lost", "leader_age_s": 1.2}
+    lost["text_age_s"] = 12.0
     for state in ("COAST", "HOLD"):
         four.frames = lambda t_s, state=state: frame(
             t_s, [leader(t_s), boat(1, t_s), boat(2, t_s, state=state, **lost)]
@@ -85,7 +86,7 @@ def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> 
             f"{CARD} return card.querySelector('.state').textContent === '{state}'", "Boat 2"
         )
         assert word(browser, "Boat 2", ".held") == "leader's state is not fresh"
-    assert word(browser, "Boat 2", ".said") == "“leader is lost”"
+    assert word(browser, "Boat 2", ".said") == "“leader is lost” 12 s ago"
     assert word(browser, "Boat 1", ".state") == "FORMATION"
 
 
@@ -172,6 +173,24 @@ def test_what_is_told_no_more_is_unknown(browser: Browser, four: Feeder) -> None
     assert told["battery"] == told["speed"] == "unknown" and told["heading"].endswith("°")
 
 
+def test_a_boat_without_conditions_and_one_whose_id_is_anothers_too_are_in_trouble(
+    browser: Browser, four: Feeder
+) -> None:
+    lost = {"state": "HOLD", "conditions_lost_s": 41.0}
+    shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s, **lost), boat(2, t_s, senders=2)]))
+    browser.until(f"{CARD} return card?.classList.contains('trouble')", "Boat 1")
+    assert word(browser, "Boat 1", ".held") == "conditions unknown for 41 s"
+    assert word(browser, "Boat 2", ".held") == "two vessels use system id 2"
+
+
+def test_a_mode_that_the_page_does_not_know_is_named(browser: Browser, four: Feeder) -> None:
+    odd = {"state": None, "unknown_mode": 77}
+    shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s, **odd), boat(2, t_s)]))
+    browser.until(f"{CARD} return card?.classList.contains('trouble')", "Boat 1")
+    why = "state unknown: its HEARTBEAT has custom_mode 77"
+    assert word(browser, "Boat 1", ".held") == why
+
+
 def test_source_that_is_not_heard_is_told_in_red(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     assert browser.run("return document.getElementById('alarm').hidden")
@@ -187,19 +206,68 @@ def test_source_that_is_not_heard_is_told_in_red(browser: Browser, four: Feeder)
 def test_events_are_listed_the_newest_first(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     told = "return [...document.querySelectorAll('#events .told')].map((x) => x.textContent)"
-    lost = {"held": ["leader's state is not fresh"], "state": "COAST", "text": "leader is lost"}
-    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **lost)])
-    browser.until("return flotilla.source.events.length === 3")
-    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, text="leader is lost")])
+    lost = {"held": ["leader's state is not fresh"], "state": "COAST", "text": "stopping"}
+    texts = [
+        (1, 19.0, 1, 6, "set out"),
+        (2, 20.0, 2, 2, "leader is lost"),
+        (3, 20.0, 2, 4, "coast"),
+    ]
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **lost)], *texts)
     browser.until("return flotilla.source.events.length === 5")
-    browser.until("return document.querySelectorAll('#events .told').length === 5")
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, text="stopping")], *texts)
+    browser.until("return flotilla.source.events.length === 7")
+    browser.until("return document.querySelectorAll('#events .told').length === 7")
     assert browser.run(told) == [
         "nothing is missing any more",
         "FORMATION",
-        "“leader is lost”",
         "leader's state is not fresh",
         "COAST",
+        "“coast”",
+        "“leader is lost”",
+        "“set out”",
     ]
+    colours = "return flotilla.source.events.slice(0, 3).map(({ colour }) => colour)"
+    assert browser.run(colours) == ["calm", "bad", "warn"]
+    # a page that is opened anew lists the texts from before
+    shown(browser, four)
+    browser.until("return flotilla.source.events.length === 3")
+
+
+def test_a_paused_page_is_dimmed_and_goes_on_to_tell_of_troubles(
+    browser: Browser, four: Feeder
+) -> None:
+    shown(browser, four)
+    browser.press(" ")
+    status = "document.getElementById('status').textContent"
+    browser.until(f"return {status}.startsWith('paused for ')")
+    at_s = browser.run("return flotilla.shown.t_s")
+    assert browser.run("return document.body.classList.contains('cut')")
+    told = "nothing heard for 3 s: check that the boats have power"
+    fault = boat(2, 0.0, state="FAULT", link_age_s=0.0)
+    four.frames = lambda t_s: json.dumps(
+        {"t_s": t_s, "heard": {"alarm": told}, "vessels": [boat(1, t_s), fault]}
+    )
+    line = "document.getElementById('line-troubles').textContent"
+    browser.until(f"return {line} === '1 in trouble'")
+    browser.until("return document.getElementById('alarm').textContent === arguments[0]", told)
+    browser.until(f"return {status} !== 'paused for 0 s'")
+    assert browser.run("return flotilla.shown.t_s") == at_s
+    browser.press(" ")
+    browser.until("return !document.body.classList.contains('cut')")
+    assert browser.until(f"{LIVE} && [flotilla.shown.vessels.length]") == [2]
+
+
+def test_a_fault_is_read_out_and_in_the_title(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    browser.until("return document.title === 'Flotilla'")
+    fault = {"state": "FAULT", "text": "FAULT: own state jumps"}
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **fault)])
+    browser.until("return document.title === '1 in trouble · Flotilla'")
+    browser.until("return document.getElementById('newest').textContent === 'Boat 2: FAULT'")
+    live = "return ['line-troubles', 'newest'].map((id) => document.getElementById(id).ariaLive)"
+    assert browser.run(live) == ["assertive", "polite"]
+    four.frames = fleet(2)
+    browser.until("return document.title === 'Flotilla'")
 
 
 def test_two_clicks_tell_the_distance_between_them(browser: Browser, four: Feeder) -> None:
@@ -256,6 +324,20 @@ def test_page_says_that_the_view_went_away_and_goes_on_when_it_is_back(browser: 
     browser.forget()
 
 
+def test_connection_that_says_nothing_is_renewed_and_its_old_frame_stays_dimmed(
+    browser: Browser, four: Feeder
+) -> None:
+    shown(browser, four)
+    four.frames = lambda _: None
+    connected = "flotilla.source.status[1].startsWith('connected')"
+    cut = "document.body.classList.contains('cut')"
+    assert browser.until(f"return {connected} && {cut} && [flotilla.source.cut]") == [True]
+    assert sum(url.startswith("ws") for url in browser.asked_for()) > 1
+    assert not browser.run("return document.getElementById('alarm').hidden")
+    four.frames = fleet(4)
+    browser.until(f"return !{cut} && !flotilla.source.cut")
+
+
 @pytest.mark.parametrize("message", GARBAGE, ids=range(len(GARBAGE)))
 def test_garbage_is_counted_and_the_fleet_goes_on(
     browser: Browser, four: Feeder, message: str | bytes
@@ -291,6 +373,12 @@ def test_boat_that_holds_can_be_played_with_as_it_is(browser: Browser, four: Fee
     script = """const lost = [...document.querySelectorAll('#conditions input:not(:checked)')];
       return [document.querySelector('#verdict .state').textContent, lost.map((box) => box.id)]"""
     assert browser.run(script) == ["HOLD", ["met-own_steady"]]
+
+
+def test_a_tile_that_failed_is_asked_for_again(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    browser.run("flotilla.chart.again_ms = 50; window.failed = flotilla.chart.tile('data:,none')")
+    browser.until("return flotilla.chart.tile('data:,none') !== window.failed")
 
 
 def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:

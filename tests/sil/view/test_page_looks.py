@@ -69,7 +69,9 @@ def test_texts_are_read_in_light_and_dark(browser: Browser, four: Feeder, dark: 
     ]
     many = [*changes, {"state": "FAULT"}, {"state": "TEST"}, {"state": "HOLD"}]
     shown(browser, four)
-    four.frames = lambda t_s: frame(t_s, [boat(n, t_s, **c) for n, c in enumerate(many, start=1)])
+    boats = list(enumerate(many, start=1))
+    text = (1, 20.0, 3, 2, "leader is lost")
+    four.frames = lambda t_s: frame(t_s, [boat(n, t_s, **c) for n, c in boats], text)
     browser.until("return document.querySelectorAll('.card').length === 9")
     browser.until("return document.querySelectorAll('#events .told').length > 3")
     script = """const rgb = (text) => text.match(/[0-9.]+/g).slice(0, 3).map((x) => x / 255);

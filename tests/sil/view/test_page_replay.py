@@ -41,6 +41,7 @@ def replayed(
     boat["states"] = [[0.0, "HOLD"], [10.0, "FORMATION"], [60.0, "COAST"]]
     boat["held"] = [[60.0, ["leader's state is not fresh"]]]
     boat["texts"] = [[61.0, "leader is lost"]]
+    boat["severities"] = [[61.0, 3]]
     path = folder / "run.html"
     path.write_text(page.page_with(told, "a run"), encoding="utf-8")
     standing(browser, path)
@@ -100,7 +101,7 @@ def test_card_says_the_state_of_that_time_and_why(browser: Browser, tmp_path: Pa
         (5.0, ["HOLD", "", ""]),
         (10.0, ["FORMATION", "", ""]),
         (60.5, ["COAST", "leader's state is not fresh", ""]),
-        (99.0, ["COAST", "leader's state is not fresh", "“leader is lost”"]),
+        (99.0, ["COAST", "leader's state is not fresh", "“leader is lost” 38 s ago"]),
     ):
         seek(browser, t_s)
         browser.until(f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows leader"]))
@@ -151,6 +152,7 @@ def test_events_are_listed_and_one_that_is_chosen_is_gone_to(
         ["60.0 s", "Boat 1", "leader's state is not fresh"],
         ["61.0 s", "Boat 1", "“leader is lost”"],
     ]
+    assert browser.run("return flotilla.source.events.at(-1).colour") == "bad"
     browser.run("document.querySelectorAll('#events button')[1].click()")
     browser.until("return Math.abs(flotilla.shown.t_s - 60) < 0.01")
     current = "return document.querySelector('#events [aria-current]')?.textContent"
@@ -263,6 +265,18 @@ def test_replay_fits_a_phone_also_inside_a_report(
     assert browser.run("return document.documentElement.scrollWidth") <= width
     tools = "return document.getElementById(arguments[0]).getBoundingClientRect().right"
     assert browser.run(tools, "measure") <= browser.run(tools, "plan-box")
+
+
+def test_a_boat_of_unknown_state_is_in_trouble(browser: Browser, tmp_path: Path) -> None:
+    told = history.of_trace(trace(), "a run")
+    told["vessels"][1]["states"] = [[0.0, "FORMATION"], [50.0, None], [80.0, "FORMATION"]]
+    path = tmp_path / "run.html"
+    path.write_text(page.page_with(told, "a run"), encoding="utf-8")
+    standing(browser, path)
+    line = "return document.getElementById('line-troubles').textContent === arguments[0]"
+    for t_s, wanted in ((40.0, "none"), (60.0, "1"), (90.0, "none")):
+        seek(browser, t_s)
+        browser.until(line, f"{wanted} in trouble")
 
 
 def test_a_silent_boat_has_no_line_in_the_plots(browser: Browser, tmp_path: Path) -> None:

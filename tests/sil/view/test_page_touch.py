@@ -13,7 +13,8 @@ def test_pause_holds_the_picture_and_going_on_shows_the_present(
 ) -> None:
     shown(browser, four)
     browser.run("document.getElementById('pause').click()")
-    browser.until("return document.getElementById('status').textContent === 'paused'")
+    paused = "return document.getElementById('status').textContent.startsWith('paused for')"
+    browser.until(paused)
     held = browser.run("return flotilla.shown.t_s")
     browser.until("return flotilla.source.frame.t_s > arguments[0] + 0.5", held)
     assert browser.run("return flotilla.shown.t_s") == held

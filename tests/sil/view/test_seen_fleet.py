@@ -118,6 +118,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
     assert vessel == {
         "id": 2,
         "kind": "boat",
+        "senders": None,
         "x_m": 7.0,
         "y_m": 2.0,
         "place_age_s": 0.5,
@@ -133,8 +134,11 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
         "limits_N": (-15.0, 20.0),
         "item": None,
         "state": "FORMATION",
+        "unknown_mode": None,
         "held": (),
+        "conditions_lost_s": None,
         "text": "FORMATION",
+        "text_age_s": 0.5,
         "link_age_s": 0.5,
         "leader_age_s": 0.25,
         "battery_V": 23.9,
@@ -161,18 +165,53 @@ def test_zeros_of_an_esc_that_is_not_online_are_no_measurements() -> None:
 
 def test_what_a_boat_does_not_tell_any_more_is_not_known() -> None:
     view = Listening()
-    view.hear(boat(2) + said(2, slot(1.0, 2.0), value("E_X", 1.0), value("E_Y", 0.0)), 0.0)
+    for t_s in (0.0, 1.0):
+        view.hear(boat(2) + said(2, slot(1.0, 2.0), value("E_X", 1.0), value("E_Y", 0.0)), t_s)
     view.hear(boat(2), 8.0)
     vessel = view.by_id(8.0)[2]
     assert vessel["error_m"] is None and vessel["slot"] is None and vessel["x_m"] == 0.0
 
 
-def test_a_silent_vessel_stays_with_its_age_and_what_it_said_last_then_is_dropped() -> None:
+def test_slow_telemetry_is_known_between_its_messages_and_its_end_is_a_trouble() -> None:
     view = Listening()
-    view.hear(boat(2) + said(2, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
-    vessel = view.by_id(30.0)[2]
-    assert (vessel["link_age_s"], vessel["error_m"], vessel["state"]) == (30.0, 5.0, "FORMATION")
-    assert view.fleet.vessels(FORGOTTEN_S + 0.1) == []
+    holds = mavlink.MAVLink_heartbeat_message(11, 0, 137, 4, 4, 3)
+    battery = mavlink.MAVLink_sys_status_message(0, 0, 0, 0, 23900, -1, -1, 0, 0, 0, 0, 0, 0)
+    slow = [value("COND", 0.0), value("COND2", 0.0), value("IN_SLOT", 1.0), battery, slot(1.0, 2.0)]
+    for t_s in range(120):
+        view.hear(boat(2) + said(2, holds), t_s)
+        if t_s % 10 == 0 and t_s <= 60:
+            view.hear(said(2, *slow), t_s)
+            view.hear(said(2, *slow), t_s + 0.1)  # the same over another link
+        vessel = view.by_id(t_s + 0.2)[2]
+        assert vessel["state"] == "HOLD"
+        known = [vessel[name] for name in ("held", "in_slot", "battery_V", "slot")]
+        if t_s <= 80:
+            assert all(known) and vessel["conditions_lost_s"] is None
+        elif t_s >= 90:
+            assert not any(known) and vessel["conditions_lost_s"] == t_s - 60
+
+
+def test_a_mode_that_is_not_known_is_told_while_its_heartbeat_is_heard() -> None:
+    view = Listening()
+    odd = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_GENERIC, 137, 77, 4, 3)
+    view.hear(said(1, odd) + boat(2), 0.0)
+    told = view.by_id(1.0)
+    assert [(v["state"], v["unknown_mode"]) for v in told.values()] == [
+        (None, 77),
+        ("FORMATION", None),
+    ]
+    view.hear(said(1, attitude(0.0)), 9.0)
+    assert view.by_id(9.0)[1]["unknown_mode"] is None
+
+
+def test_a_silent_boat_stays_with_its_age_and_what_it_said_last_other_vessels_are_dropped() -> None:
+    view = Listening()
+    view.hear(boat(2, 7.0) + said(2, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
+    view.hear(said(100, VIRTUAL, local(1.0, 1.0)), 0.0)
+    assert list(view.by_id(FORGOTTEN_S)) == [2, 100]
+    (vessel,) = view.fleet.vessels(3600.0)
+    assert (vessel["link_age_s"], vessel["error_m"], vessel["state"]) == (3600.0, 5.0, "FORMATION")
+    assert (vessel["x_m"], vessel["place_age_s"]) == (7.0, 3600.0)
 
 
 def test_what_holds_a_boat_is_told_in_its_words() -> None:
@@ -183,6 +222,22 @@ def test_what_holds_a_boat_is_told_in_its_words() -> None:
     view.hear(boat(3) + said(3, coasting, value("COND", lost), value("COND2", ALL2)), 0.0)
     vessel = view.by_id(0.0)[3]
     assert (vessel["state"], vessel["held"]) == ("COAST", ("leader's state is not fresh",))
+
+
+def test_every_text_is_told_with_its_time_and_severity_and_a_repeated_one_once() -> None:
+    view = Listening()
+    texts = [(2, b"first"), (6, b"second"), (6, b"second")]
+    packed = [mavlink.MAVLink_statustext_message(severity, text) for severity, text in texts]
+    view.hear(boat(1) + said(255, packed[0], component=190) + said(1, *packed), 3.0)
+    view.hear(said(1, packed[0]), 4.0)
+    assert view.fleet.texts() == [
+        (2, 3.0, 1, 2, "first"),
+        (3, 3.0, 1, 6, "second"),
+        (4, 4.0, 1, 2, "first"),
+    ]
+    for number in range(100):
+        view.hear(said(1, mavlink.MAVLink_statustext_message(6, b"%d" % number)), 5.0)
+    assert len(view.fleet.texts()) == 50 and view.fleet.texts()[-1][-1] == "99"
 
 
 def test_a_long_text_is_told_whole_and_one_that_lost_a_piece_is_not() -> None:
@@ -303,14 +358,37 @@ def test_a_boat_that_was_started_again_has_told_nothing_of_before() -> None:
     view = Listening()
     before = said(1, BEAT, origin(*ORIGIN), attitude(0.5, 90_000), local(1.0, 1.0), slot(5.0, 5.0))
     view.hear(before + said(1, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
-    view.hear(said(1, attitude(0.1, 50)), 0.5)
-    vessel = view.by_id(0.5)[1]
-    assert (vessel["error_m"], vessel["x_m"], vessel["slot"], vessel["psi_rad"]) == (
-        None,
-        None,
-        None,
-        0.1,
-    )
+    for step in range(12):
+        told = origin(1, 2) if step == 0 else local(9.0, 9.0) if step == 1 else value("T_MAX", 1.0)
+        view.hear(said(1, attitude(0.1, 50 + 100 * step), told), 0.5 + 0.1 * step)
+    vessel = view.by_id(1.6)[1]
+    assert (vessel["error_m"], vessel["slot"], vessel["psi_rad"]) == (None, None, 0.1)
+    assert view.fleet.systems[1].motion.origin == (1, 2, 0)
+    assert view.fleet.systems[1].motion.place is not None
+
+
+def test_a_late_message_takes_no_boat_off_the_map_and_clears_no_trouble() -> None:
+    view = Listening()
+    holds = mavlink.MAVLink_heartbeat_message(11, 0, 137, 4, 4, 3)
+    view.hear(said(1, holds, origin(*ORIGIN), local(7.0, 2.0)), 0.0)
+    view.hear(said(1, value("COND", 0.0), value("COND2", 0.0)), 0.0)
+    for step in range(50):
+        late_s = 4.0 if step % 20 < 3 else 0.0  # three that a radio has held back
+        view.hear(said(1, attitude(0.5, 90_000 + 100 * step - int(1000 * late_s))), 0.1 * step)
+        vessel = view.by_id(0.1 * step)[1]
+        assert vessel["x_m"] == 7.0 and vessel["held"] and vessel["senders"] is None
+
+
+def test_two_boats_with_one_id_are_told_and_stay_on_the_map() -> None:
+    view = Listening()
+    view.hear(said(1, BEAT, origin(*ORIGIN), local(7.0, 2.0)), 0.0)
+    for step in range(320):
+        both = step < 200
+        boot_ms = 100 * step + 90_000 * (both and step % 2)
+        view.hear(said(1, attitude(0.5, boot_ms)), 0.1 * step)
+        vessel = view.by_id(0.1 * step)[1]
+        assert vessel["x_m"] == 7.0 and (vessel["senders"] == 2 or not both or step < 10)
+    assert vessel["senders"] is None
 
 
 @pytest.mark.parametrize("after_s", [3.0, 10.0, 120.0])

@@ -10,6 +10,7 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.scenario.wiring import ORIGIN
+from sil.view.page import page_with
 from sil.view.seen_fleet import Fleet
 from sil.view.seen_plan import FENCE, MISSION, RALLY, Plans
 from sil.view.tlog_history import history_of_tlog
@@ -135,14 +136,33 @@ def test_fences_and_rally_points_are_drawn() -> None:
     assert told["rally"] == [pytest.approx([1.0, 2.0], abs=0.02)] and told["way"] == []
 
 
+@pytest.mark.parametrize("radius_m", [math.nan, math.inf, -math.inf, 0.0, -3.0])
+def test_a_circle_without_a_radius_is_left_out(radius_m: float, tmp_path: Path) -> None:
+    fence = [item(0, (5.0, 5.0), 5004, radius_m, FENCE), item(1, (9.0, 9.0), 5003, 40.0, FENCE)]
+    (circle,) = heard(sent(fence, FENCE)).drawn_plans()[BOAT]["fence"]
+    assert circle["radius_m"] == 40.0
+    data = b"".join(
+        (1_700_000_000_000_000 + 1_000_000 * t_s).to_bytes(8, "big") + packed(message, system)
+        for t_s, (message, system) in enumerate(
+            [(HEARTBEAT, BOAT), (ORIGIN_TOLD, BOAT), *sent(fence, FENCE)]
+        )
+    )
+    path = tmp_path / "boat.tlog"
+    path.write_bytes(data)
+    assert page_with(history_of_tlog(path), "a boat")
+
+
 def test_the_item_ahead_is_told() -> None:
     current = mavlink.MAVLink_mission_current_message(2)
     (vessel,) = heard([*UPLOAD, (current, BOAT)]).vessels(1.0)
     assert vessel["item"] == 2
 
 
-def test_a_fleet_that_was_silent_has_no_plan_any_more() -> None:
+def test_a_silent_boat_keeps_its_plan_and_a_vessel_that_is_forgotten_does_not() -> None:
     fleet = heard(UPLOAD)
+    assert len(fleet.vessels(62.0)) == 1 and plan_of(fleet) == way()
+    px4 = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_PX4, 1, 0, 3, 3)
+    fleet = heard([(px4, BOAT), *UPLOAD])
     assert fleet.vessels(62.0) == [] and fleet.drawn_plans() == {}
 
 

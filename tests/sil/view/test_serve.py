@@ -11,12 +11,13 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError
 from tornado.websocket import websocket_connect
 
 from sil.view.history import column, numbers
 from sil.view.live_source import Live
-from sil.view.serve import Server
+from sil.view.serve import Server, _Frames
 from sil.wire.mavlink_mcast import LOOPBACK
 from tests.linux.process import free_port
 from tests.sil.view.feed import BEAT, attitude, local, origin, said
@@ -207,6 +208,56 @@ def test_over_source_is_a_replay_of_what_was_heard() -> None:
     assert told["origin_deg"] == pytest.approx([1e-7, 2e-7])
     assert numbers(told["t_s"])[-1] > 0.3 and f"udpin:{LOOPBACK}:{port}" in told["title"]
     assert '<body class="replay">' in text
+
+
+def test_texts_are_told_again_to_a_page_that_is_opened_later() -> None:
+    port = free_port()
+    text = said(1, mavlink.MAVLink_statustext_message(2, b"low battery"))
+
+    async def use(url: str) -> list[Any]:
+        async with Sender(port, lambda: [*fleet_of(1), text]):
+            frames = [await frame_in_which(url, lambda f: f.get("texts")) for _ in range(2)]
+        return [[told[0], *told[2:]] for frame in frames for told in frame["texts"]]
+
+    assert served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use) == 2 * [[1, 1, 2, "low battery"]]
+
+
+def test_page_that_comes_back_after_the_end_is_told_so() -> None:
+    async def run() -> str | bytes | None:
+        server = Server(Live(f"udpin:{LOOPBACK}:{free_port()}", 1.0), (LOOPBACK, 0))
+        running = asyncio.ensure_future(server.run())
+        await asyncio.sleep(0)
+        server.end()
+        page = await websocket_connect(f"ws{server.url.removeprefix('http')}live")
+        told = await page.read_message()
+        page.close()
+        assert await page.read_message() is None
+        running.cancel()
+        with suppress(asyncio.CancelledError):
+            await running
+        return told
+
+    assert asyncio.run(asyncio.wait_for(run(), _PATIENCE_S)) == '{"over":true}'
+
+
+def test_the_end_is_told_to_a_page_that_is_still_sent_a_frame() -> None:
+    class Slow(_Frames):
+        def __init__(self) -> None:
+            self.initialize(set(), lambda: False)
+            self.told: list[Any] = []
+
+        def write_message(self, message: Any, binary: bool = False) -> "asyncio.Future[None]":
+            self.told.append(message)
+            return asyncio.get_running_loop().create_future()
+
+    async def run() -> list[Any]:
+        page = Slow()
+        for text in ("first", "second"):
+            page.tell(text)
+        page.end()
+        return page.told
+
+    assert asyncio.run(run()) == ["first", '{"over":true}']
 
 
 def test_server_that_is_not_there_is_told_with_what_to_check() -> None:

@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 from pymavlink import mavutil
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.view.history import MOST_SAMPLES, numbers
-from sil.view.tlog_history import history_of_tlog, messages_of
+from sil.view.seen_fleet import FORGOTTEN_S, Fleet
+from sil.view.tlog_history import Watch, history_of_tlog, messages_of
+from sil.wire.mavlink_ear import Ear
 from sil.wire.mavlink_frames import frames
 from sil.wire.tlog import packets
-from tests.sil.view.feed import BEAT, attitude, local, said, sail_and_look
+from tests.sil.view.feed import BEAT, VIRTUAL, attitude, local, said, sail_and_look, value
 
 START_US = 1_700_000_000_000_000
 DURATION_S = 30
@@ -145,7 +148,18 @@ def test_a_clock_that_is_set_while_the_log_is_written_is_no_time(tmp_path: Path)
     assert t_s[-1] == pytest.approx(14.7, abs=0.3)
 
 
-def test_a_vessel_that_comes_late_or_goes_is_not_known_before_and_after(tmp_path: Path) -> None:
+def test_to_ask_for_a_history_does_not_change_it() -> None:
+    watch, asked = Watch(Fleet(1.0)), Watch(Fleet(1.0))
+    for k in range(100):
+        for each in (watch, asked):
+            for message in Ear(stream=False).hear(said(1 + k // 50, BEAT, local(0.1 * k, 0.0))):
+                each.hear(0.1 * k + 0.05, message)
+        asked.history("so far")
+    assert asked.times == watch.times
+    assert asked.history("") == watch.history("")
+
+
+def test_a_boat_that_comes_late_and_goes_is_unknown_before_and_silent_after(tmp_path: Path) -> None:
     wire = b"".join(
         record(1_000_000 * k, said(1, BEAT, local(0.0, 0.0)))
         + (record(1_000_000 * k, said(2, BEAT, local(1.0, 0.0))) if 20 < k < 40 else b"")
@@ -155,8 +169,42 @@ def test_a_vessel_that_comes_late_or_goes_is_not_known_before_and_after(tmp_path
     path.write_bytes(wire)
     history = history_of_tlog(path)
     t_s, x_m = numbers(history["t_s"]), numbers(by_id(history)[2]["x_m"])
-    assert np.isnan(x_m[t_s < 20.5]).all() and np.isnan(x_m[t_s > 101]).all()
-    assert (x_m[(t_s > 22) & (t_s < 98)] == 1.0).all()
+    assert np.isnan(x_m[t_s < 20.5]).all() and (x_m[t_s > 22] == 1.0).all()
+    ages_s = numbers(by_id(history)[2]["link_age_s"])
+    np.testing.assert_allclose(ages_s[t_s > 40], t_s[t_s > 40] - 39.0, atol=0.02)
+
+
+def logged(path: Path, told: list[tuple[int, bytes]]) -> dict[str, Any]:
+    """The history of a log of messages at given seconds."""
+    path.write_bytes(b"".join(record(START_US + 1_000_000 * t_s, data) for t_s, data in told))
+    return history_of_tlog(path)
+
+
+def test_a_leader_that_is_forgotten_stays_silent_until_it_is_heard_again(tmp_path: Path) -> None:
+    told = [(t_s, said(1, BEAT)) for t_s in range(200)]
+    told += [(t_s, said(100, VIRTUAL, local(1.0, 1.0))) for t_s in (5, 150)]
+    history = logged(tmp_path / "gap.tlog", sorted(told))
+    t_s, ages_s = numbers(history["t_s"]), numbers(by_id(history)[100]["link_age_s"])
+    assert np.isnan(ages_s[t_s < 5.0]).all()
+    assert (ages_s[(t_s > 10.1) & (t_s < 149.9)] > 5.0).all()
+    assert (ages_s[(t_s > 66.0) & (t_s < 149.9)] == FORGOTTEN_S).all()
+    assert (ages_s[(t_s > 150.5) & (t_s < 154.0)] < 5.0).all()
+
+
+def test_the_state_of_a_boat_that_lost_its_heartbeat_alone_is_unknown(tmp_path: Path) -> None:
+    told = [(t_s, said(1, BEAT)) for t_s in range(11)]
+    told += [(t_s, said(1, value("E_X", 0.0))) for t_s in range(30)]
+    (known, lost) = logged(tmp_path / "beat.tlog", sorted(told))["vessels"][0]["states"]
+    assert known == [0.0, "FORMATION"]
+    assert lost == [pytest.approx(16.0, abs=0.5), None]
+
+
+def test_texts_are_played_back_with_their_severities(tmp_path: Path) -> None:
+    texts = [mavlink.MAVLink_statustext_message(level, b"%d" % level) for level in (2, 2, 6)]
+    told = [(t_s, said(1, BEAT, text)) for t_s, text in enumerate(texts)]
+    (vessel,) = logged(tmp_path / "texts.tlog", told)["vessels"]
+    assert vessel["texts"] == [[0.0, "2"], [2.0, "6"]]
+    assert vessel["severities"] == [[0.0, 2], [2.0, 6]]
 
 
 @pytest.mark.parametrize("content", [b"", b"no log at all", bytes(1000), b"\xfd" * 1000])
