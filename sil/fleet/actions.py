@@ -67,7 +67,7 @@ def show(console: Console, words: str, style: str = "") -> None:
 def discover(station: Station, wish: Wish) -> list[int]:
     """The boats that are named, or all boats heard meanwhile."""
     named = list(wish.boats)
-    if wish.action == "status" or not named:
+    if wish.action in ("status", "go") or not named:  # "go" needs their places
         least_s = _STATUS_S if wish.action == "status" else DISCOVERY_S
         station.run(least_s - station.now_s())
     else:

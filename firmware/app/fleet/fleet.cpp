@@ -74,7 +74,9 @@ void Fleet::hear(const link::Received& received, Trust trust, std::int64_t now_u
     Heard& heard = heard_[*rank];
     if (beacon != nullptr && note_beacon(heard, *beacon, now_us)) return;
     if (beacon != nullptr) heard.component = received.from.component;
-    const bool speaks = heard.component == 0 || heard.component == received.from.component;
+    const bool speaks = ledger_.current()->members[*rank].only_leads
+                            ? link::tells_motion(received.message)
+                            : heard.component == 0 || heard.component == received.from.component;
     if (speaks) heard.at_us = now_us;
   }
   if (beacon != nullptr) {
@@ -105,6 +107,7 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
                                ? is_of(held, received.from.system)
                                : trust == Trust::kMember && is_of(table, received.from.system);
   if (trust != Trust::kCommands && (table.assigns || !from_member)) return;
+  if (!is_stop(table) && !concerns_us(table)) return;
   if (table.epoch == held.epoch && table.digest == held.digest) passed_us_ = now_us;
   stops_ = stops_ || is_stop(table);  // even if the table is refused below
   if (const TableVerdict verdict = verdict_of(table); verdict.fault != TableFault::kNone) {
@@ -117,6 +120,15 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
   } else if (table.epoch > held.epoch && !(request_ && table.epoch <= request_->table.epoch)) {
     if (const auto wait_us = gives_in(table)) request_ = {table, valid_us, now_us + *wait_us};
   }
+}
+
+/// Whether the table lists this boat, or a boat of the table that is held: another fleet's does not.
+bool Fleet::concerns_us(const FleetTable& table) const {
+  const bool knows_itself = system_ != 0;  // from the first tick on
+  return !knows_itself || is_of(table, system_) ||
+         std::ranges::any_of(ledger_.newest().all(), [&](const FleetMember& member) {
+           return is_of(table, member.system);
+         });
 }
 
 /// How long this boat leaves a request to boats that know more; nullopt: it never answers.

@@ -113,6 +113,7 @@ class Fleet {
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   bool is_stop(const FleetTable& table) const;
+  bool concerns_us(const FleetTable& table) const;
   static bool note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us);
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
   std::optional<Place> place_of(std::uint8_t system, std::int64_t now_us) const;

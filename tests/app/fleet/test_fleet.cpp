@@ -289,6 +289,25 @@ TEST_CASE("a table of a stranger is ignored, an unsound one is refused") {
   CHECK(harbour.boats[0].fleet.take_epoch() == 1);
 }
 
+TEST_CASE(
+    "a table of another fleet is ignored, also by an operator and by a boat without a table") {
+  FleetTable others = table_of_four(9);
+  for (std::size_t i = 0; i < others.count; ++i) {
+    others.members[i].system = static_cast<std::uint8_t>(11 + i);
+    others.members[i].leader = i == 0 ? 0 : 11;
+  }
+  Harbour harbour;
+  harbour.sail(0.1);
+  harbour.hear(0, message_of(others, 0), kOperator);
+  harbour.sail(1);
+  CHECK_FALSE(harbour.boats[0].fleet.take_epoch());
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(3);
+  harbour.hear(0, message_of(others, 0), kOperator);
+  harbour.sail(3);
+  CHECK(harbour.boats[0].fleet.take_epoch() == 1);
+}
+
 TEST_CASE("in peace eight boats' beacons take 5 % of 57,600 Bd at the most, even signed") {
   Harbour harbour;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);

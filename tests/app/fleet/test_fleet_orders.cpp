@@ -54,6 +54,23 @@ TEST_CASE("a plan that the fleet once sailed is not taken up after a root withou
   CHECK(harbour.boats[1].state == State::kLoiter);
 }
 
+TEST_CASE("a camera does not keep a tablet alive that leads") {
+  Harbour harbour = under_way();
+  FleetTable tablet = table_of_four(2);
+  tablet.members[0].system = 50;
+  tablet.members[0].only_leads = true;
+  tablet.members[1].leader = tablet.members[3].leader = 50;
+  harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
+  for (int tenth = 0; tenth < 70; ++tenth) {
+    for (std::size_t who = 1; who < 4; ++who) {
+      if (tenth < 50) harbour.hear(who, link::Attitude{}, {50, 1});
+      harbour.hear(who, link::Heartbeat{}, {50, 100});
+    }
+    harbour.sail(0.1);
+  }
+  CHECK(harbour.boats[1].state == State::kLoiter);
+}
+
 TEST_CASE("a boat does not yield to a root without beacons that was never heard") {
   Harbour harbour = under_way();
   FleetTable tablet = table_of_four(2);

@@ -452,7 +452,7 @@ TEST_CASE("a root that jumps when another boat makes its reference is not follow
   m.east += 20 * 1024;
   f.hear(m, 3 * kSecond_us);
   CHECK(f.refused() == 1);
-  CHECK(off_m(f.boat, 3 * kSecond_us) < 0.02);
+  CHECK_FALSE(f.boat.aim(3 * kSecond_us));
 }
 
 TEST_CASE("what is refused is not handed on") {
