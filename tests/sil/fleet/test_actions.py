@@ -263,6 +263,14 @@ def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
     ]
 
 
+def test_a_boat_whose_answers_alone_arrive_is_believed(waters: Waters) -> None:
+    """Another boat forwards them, but no HEARTBEAT."""
+    answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
+    keep_saying(waters, answer.pack(mavlink.MAVLink(None, 9, 1)))
+    status, words = waters.command(action="stop", boats=(*BOATS, 9))
+    assert (status, words) == (0, "5 of 5 stopped and disarmed\n")
+
+
 def test_a_text_is_printed_as_it_is_but_commands_no_terminal(waters: Waters) -> None:
     boat = mavlink.MAVLink(None, 9, 1)
     text = mavlink.MAVLink_statustext_message(4, b"PreArm: [/dev/i2c-1] :x:\x1b[2J\r")
