@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import flotilla
 
 from sil.certificate.certificate import Case, Certificate, Leg
-from sil.certificate.chain import too_deep
+from sil.certificate.chain import Chain, too_deep
 from sil.lockstep.metrics import SETTLED_M
 
 _IN_SLOT_M = 0.2  # least limit of the permanent distance; a boat's own is FS_SLOT_M / 5, if more
@@ -31,6 +31,9 @@ def sentence(certificate: Certificate) -> str:
         f"least {slowest.sampled.decay:.3f} 1/s, and {100.0 * margin:.0f} % of the propellers' "
         f"limits is left"
     )
+    chains = [leg.chain for leg in certificate.legs if isinstance(leg.chain, Chain)]
+    if chains:
+        text += f"; chains examined: {' and '.join(name(path) for path in chains[0].examined)}"
     neutral = [case for _, case in cases if case.sampled.neutral]
     if neutral:
         text += "; while the leader is at rest, errors abeam stay as they are" + _up_to(neutral)
