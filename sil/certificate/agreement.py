@@ -45,7 +45,7 @@ class Depths:
 
 
 def compare(name: str, law: Law | None, parameters: dict[str, float], delay_s: float) -> Depths:
-    """Certify a scenario's longest chain behind its first reference, and sail the scenario."""
+    """Certify a scenario's worst chain behind its first reference, and sail the scenario."""
     chosen = scenario.load(name, [f"link.delay_s={delay_s}"], law)
     found = chain(chosen, references(chosen)[0], parameters, most=len(chosen.boat))
     (run,) = sail([chosen], parameters, keep_s=_KEEP_S)

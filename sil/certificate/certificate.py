@@ -61,7 +61,7 @@ class Case:
 class Leg:
     """A reference, the times (s) at which it begins, and the boats behind it.
 
-    `chain`: the longest line of boats that follow each other, or the reason why its probes could
+    `chain`: the worst line of boats that follow each other, or the reason why some probes could
     not be sailed; None if there is no such line, or if the leader is at rest.
     """
 
@@ -96,7 +96,7 @@ def certify(scenario: Scenario, overrides: dict[str, float], progress: Progress)
         for boats, slot, setup in fleet(scenario, reference, firmware):
             who = f"leg {number} of {len(found)}, boat {', '.join(map(str, boats))}"
             cases.append(_case(boats, reference, slot, setup, partial(progress, who)))
-        progress(f"leg {number} of {len(found)}, the longest chain of boats", 0.0)
+        progress(f"leg {number} of {len(found)}, the chains of boats", 0.0)
         legs.append(Leg(reference, from_s, cases, *_chain(scenario, reference, overrides)))
     moving = [
         (c.setup, c.points) for leg in legs if leg.reference.kind != "rest" for c in leg.cases

@@ -149,7 +149,7 @@ def _chain_table(chain: Chain, margins: Margins) -> Table:
         ("margin of radio delay (s)", f"{margins.delay_s:.2f}"),
         ("margin of mass and damping (%)", f"{100.0 * margins.mismatch:.0f}"),
     ]
-    return _filled(_table(f"The longest chain: {len(chain.path)} boats"), rows)
+    return _filled(_table(f"The worst chain: {verdict.name(chain.path)}"), rows)
 
 
 def _most(yaw: list[float], surge: list[float]) -> str:

@@ -13,16 +13,19 @@ P_n are the power spectra of the motion that noise and weather cause behind a le
 course. A depth is certified if no boat up to it is expected to turn faster than LAW_R_MAX, to be
 faster than LAW_U_MAX, or to be more than 0.2 m RMS off its slot: beyond these limits a chain leaves
 the small motions for which gains are valid. If the law has no such limit, the firmware's default
-counts. The hop is the one from boat 2 to boat 3, which both follow boats: G = T_3 / T_2, for the
-motion that a boat makes by its own thrust as it follows. With the reference, boat 2 is instead
-pushed off its way for the hop: boat 3 then follows only by trust and slow correction.
+counts; a root that itself moves more in its manoeuvre raises the limits of yaw rate and speed. The
+hop is the one from boat 2 to boat 3, which both follow boats: G = T_3 / T_2, for the motion that a
+boat makes by its own thrust as it follows. With the reference, boat 2 is instead pushed off its way
+for the hop: boat 3 then follows only by trust and slow correction.
+
+Every line of boats from the root is examined, except those that consist of the same kinds of boats
+as another, or as its beginning.
 
 Source of the question: Swaroop and Hedrick 1996, Seiler, Pant and Hedrick 2004.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import flotilla
 import numpy as np
@@ -37,6 +40,7 @@ from sil.certificate.probe import (
     Probe,
     chain_of,
     frequencies,
+    path_to,
 )
 from sil.certificate.references import Reference
 from sil.plant.hull import Array
@@ -87,14 +91,15 @@ class Gains:
 
 @dataclass(frozen=True)
 class Chain:
-    """The longest chain of a scenario behind one reference.
+    """The worst chain of a scenario behind one reference, the longest if all are certified alike.
 
     `path`: its boats; `reference`: whether all of them steer by the formation's reference;
     `depths`: from the first boat on; `certified`: the number of depths, from the first on, that
-    keep `limits`.
+    keep `limits`; `examined`: all lines of boats that were examined, of which this is the worst.
     """
 
     path: list[int]
+    examined: list[list[int]]
     reference: bool
     yaw: Gains
     surge: Gains
@@ -118,31 +123,33 @@ def chain(
     reference: Reference,
     overrides: dict[str, float],
     *,
+    path: list[int] | None = None,
     most: int = 0,
     scale: tuple[float, float] = (1.0, 1.0),
 ) -> Chain:
-    """Sail the probes of a scenario's longest chain and find its greatest depth.
+    """Sail the probes of a scenario's chains and find the greatest depth of the worst.
 
-    `most`: number of depths, by default MOST_DEPTH or the scenario's; `scale` as in
-    `probe.chain_of`.
+    `path`: the only chain to examine; `most`: number of depths, by default MOST_DEPTH or those of
+    the longest chain; `scale` as in `probe.chain_of`. RunError if a chain cannot be sailed.
     """
-    path = probes.deepest(scenario)
-    every = parameters_of(scenario, overrides)
-    defaults = flotilla.derived()
-    along = [flotilla.derived(every[agent - 1]) for agent in path]
-    whole = all(own["LAW_REF"] > 0.0 for own in along)
-    depths = most or max(len(path), MOST_DEPTH)
-    sailed = max(_SAILED, depths) if whole else _SAILED
-    paths = [path] if whole else _distinct(scenario, path, along)
+    every = [flotilla.derived(own) for own in parameters_of(scenario, overrides)]
+    paths = [path] if path else lines(scenario, every)
+    depths = most or max(len(paths[0]), MOST_DEPTH)
     found = []
-    for part in paths:
-        line = chain_of(scenario, part, sailed, scale=scale)
-        found.append(_Sailed(probes.probe(line, reference, overrides), reference, whole))
-    worst = max(found, key=lambda one: max(np.abs(axis.hop).max() for axis in one.axes))
-    limits = _limits(along, defaults, worst)
-    told = worst.depths(depths)
-    yaw, surge = (axis.gains(depths) for axis in worst.axes)
-    return Chain(path, whole, yaw, surge, told, limits)
+    for line in paths:
+        along = [every[agent - 1] for agent in line]
+        whole = _whole(along)
+        sailed = max(_SAILED, depths) if whole else _SAILED
+        parts = []
+        for part in [line] if whole else _distinct(scenario, line, along):
+            boats = chain_of(scenario, part, sailed, scale=scale)
+            parts.append(_Sailed(probes.probe(boats, reference, overrides, part), reference, whole))
+        worst = max(parts, key=lambda one: max(np.abs(axis.hop).max() for axis in one.axes))
+        yaw, surge = (axis.gains(depths) for axis in worst.axes)
+        limits = limits_of(along, flotilla.derived(), worst.root)
+        told = worst.depths(depths)
+        found.append(Chain(line, paths, whole, yaw, surge, told, limits))
+    return min(found, key=lambda one: (one.holds, one.certified))
 
 
 def too_deep(chain: Chain) -> str:
@@ -160,40 +167,63 @@ def too_deep(chain: Chain) -> str:
     )
 
 
-def _limits(
-    along: list[dict[str, float]], defaults: Mapping[str, float], sailed: "_Sailed"
+def limits_of(
+    along: list[dict[str, float]], defaults: Mapping[str, float], root: tuple[float, float]
 ) -> Limits:
-    """The law's limits, raised where the root's own motion alone demands more."""
-    first = sailed.depths(1)[0]
+    """The law's limits, raised where the root's own manoeuvre, its peaks `root`, demands more."""
     yaw_rate, speed = (
         min(own[name] or defaults[name] for own in along) for name in ("LAW_R_MAX", "LAW_U_MAX")
     )
-    return Limits(
-        max(yaw_rate, 1.2 * first.yaw_rate),
-        max(speed, 1.2 * first.speed),
-        max(OFF_SLOT_M, 1.5 * first.off_slot_m),
-    )
+    root_yaw_rate, root_speed = root
+    return Limits(max(yaw_rate, 1.2 * root_yaw_rate), max(speed, 1.2 * root_speed), OFF_SLOT_M)
+
+
+def lines(scenario: Scenario, every: list[dict[str, float]]) -> list[list[int]]:
+    """Lines of two boats or more from the root, the longest first, each sequence of kinds once."""
+    kinds = [_kind(scenario, agent, own) for agent, own in enumerate(every, start=1)]
+    ends = range(1, len(every) + 1)
+    lines = sorted((path_to(scenario, end) for end in ends), key=len, reverse=True)
+    kept: list[list[int]] = []
+    known: set[tuple[str, ...]] = set()
+    for line in lines:
+        own = tuple(kinds[agent - 1] for agent in line)
+        whole = _whole([every[agent - 1] for agent in line])
+        if kept and (len(line) < 2 or (*own, str(whole)) in known):
+            continue
+        kept.append(line)
+        for length in range(1, len(line) + 1):
+            known.add((*own[:length], str(whole)))
+    return kept
+
+
+def _whole(along: list[dict[str, float]]) -> bool:
+    """Whether all boats of a line steer by the formation's reference."""
+    return all(own["LAW_REF"] > 0.0 for own in along)
 
 
 def _distinct(
     scenario: Scenario, path: list[int], along: list[dict[str, float]]
 ) -> list[list[int]]:
     """Sections of three boats of a path, each kind once."""
-    vessels, pairs = scenario.vessels(), scenario.propeller_pairs()
-    kinds: dict[Any, list[int]] = {}
+    of_boats = [_kind(scenario, agent, own) for agent, own in zip(path, along, strict=True)]
+    kinds: dict[tuple[str, ...], list[int]] = {}
     for begin in range(max(1, len(path) - _SAILED + 1)):
-        part = path[begin : begin + _SAILED]
-        kind = tuple(
-            (
-                tuple((k, v) for k, v in sorted(own.items()) if k not in _OF_PLACE),
-                vessels[agent],
-                pairs[agent - 1],
-                scenario.boat_unit(scenario.boat[agent - 1]),
-            )
-            for agent, own in zip(part, along[begin:], strict=False)
-        )
-        kinds.setdefault(repr(kind), part)
+        end = begin + _SAILED
+        kinds.setdefault(tuple(of_boats[begin:end]), path[begin:end])
     return list(kinds.values())
+
+
+def _kind(scenario: Scenario, agent: int, own: dict[str, float]) -> str:
+    """Everything on which a boat's motion in a chain depends, as text."""
+    boat = scenario.boat[agent - 1]
+    return repr(
+        (
+            tuple((k, v) for k, v in sorted(own.items()) if k not in _OF_PLACE),
+            scenario.vessels()[agent],
+            scenario.propeller_pairs()[agent - 1],
+            scenario.boat_unit(boat),
+        )
+    )
 
 
 class _Sailed:
@@ -207,6 +237,9 @@ class _Sailed:
         self._off = np.mean(noise, axis=0)
         self._manoeuvre_off = _mean_square(probe.manoeuvre[1])
         self._boats = boats
+        # peak yaw rate and speed of the root in its manoeuvre
+        root = np.abs(probe.manoeuvre[0][:, 0]).max(axis=0)
+        self.root = float(root[YAW]), float(root[SURGE])
 
     def depths(self, count: int) -> list[Depth]:
         yaw, surge = (axis.peaks(count) for axis in self.axes)

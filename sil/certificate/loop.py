@@ -4,8 +4,8 @@
 At each tick the navigation unit, if it is due, gives the firmware the true state. The firmware's
 own estimator and law (`flotilla.Helm`, double precision, without bytes) answer with two thrusts,
 which hold until the next tick and pass through the propellers' curve and lag. The leader moves
-along a given path, and the boat receives its motion without delay. Rounding on the wires, THR_DEAD,
-THR_SLEW, noise and waves are left out.
+along a given path, and the boat receives its motion without delay. Left out: the navigation unit's
+delay (navigation.delay_s), rounding on the wires, THR_DEAD, THR_SLEW, noise and waves.
 """
 
 from collections.abc import Mapping

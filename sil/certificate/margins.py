@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The margins of a scenario's chain of boats: additional delay, and error of the hull.
+"""The margins of a scenario's worst chain of boats: additional delay, and error of the hull.
 
 Both are found by bisection; the chain's probes are sailed anew at each step. All boats have the
 same error: masses and dampings deviate by the same share, up or down, in each of the four
@@ -36,7 +36,8 @@ def margins(
 
     def holds(changed: Scenario, scale: tuple[float, float] = (1.0, 1.0)) -> bool:
         try:
-            return chain(changed, reference, overrides, most=depth, scale=scale).holds
+            only = found.path
+            return chain(changed, reference, overrides, path=only, most=depth, scale=scale).holds
         except RunError:
             return False
 

@@ -8,6 +8,7 @@ from sil.certificate.certificate import Certificate
 from sil.certificate.rehanging import rehangings
 
 SMALL_M = 0.2
+LATE_S = 0.1  # delay of the navigation unit that is mentioned, s
 _NOT_LINEARISED = ("THR_SLEW", "THR_DEAD")
 
 
@@ -18,8 +19,9 @@ def notes(certificate: Certificate) -> list[str]:
         "The small-gain test is sufficient only: failing it proves nothing. It and the nominal "
         "loop (24) concern the paper's law; the sampled loop is that of the firmware, extensions "
         "included.",
-        "Links: no boat acts on its leader. So late, rare or lost messages of a leader are "
-        "outside every loop: they add states of delay but no feedback, and change no multiplier. "
+        "Links: no boat acts on its leader, while no vessel is near (FS_SEP_M) and the leader does "
+        "not wait (WP_WAIT_S). Then late, rare or lost messages of a leader are outside every "
+        "loop: they add states of delay but no feedback, and change no multiplier. "
         "The gains of the chain show how they amplify motions from boat to boat, for small "
         "motions on a straight course. The rate of a boat's own fixes is in the loop.",
         "The verdict concerns small errors, and each boat's decay is that behind a leader without "
@@ -27,6 +29,7 @@ def notes(certificate: Certificate) -> list[str]:
         "so its decay begins later, although its final rate is the same.",
     ]
     texts += _rehung(certificate)
+    texts += _late(certificate)
     texts += _left_out(certificate)
     weather = scenario.wind.gust_mps or any(scenario.wind.mean_mps) or scenario.waves.height_m
     if weather or scenario.white_noise.power or scenario.navigation.noise.sigma.any():
@@ -53,6 +56,16 @@ def _rehung(certificate: Certificate) -> Iterable[str]:
             f"that later"
         )
     yield text + "."
+
+
+def _late(certificate: Certificate) -> Iterable[str]:
+    scenario = certificate.scenario
+    delay_s = max((scenario.boat_unit(boat).delay_s for boat in scenario.boat), default=0.0)
+    if delay_s > LATE_S:
+        yield (
+            f"The navigation unit is {delay_s:.2f} s late: this delay is in the chain, but not in "
+            f"the sampled loop and its decay. Sail it: flotilla run."
+        )
 
 
 def _left_out(certificate: Certificate) -> Iterable[str]:

@@ -11,7 +11,7 @@ motion to be amplified: one behind the leader's own manoeuvre, also without nois
 of the scenario's noise and weather behind a leader that goes straight.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -46,6 +46,7 @@ _SMALL = 0.004  # amplitude of each sinusoid, rad/s, m/s; below 1 rad/s in propo
 PUSHED_BOAT, _RESISTED = 2, 6.0
 _KEEP_S = 0.05
 _SEED = 20
+_DRIVEN = {"FORMATION", "COAST"}
 
 
 def frequencies(axis: int) -> Array:
@@ -91,8 +92,10 @@ def gains(t_s: Array, runs: Sequence[Motions], axis: int, pushed: int) -> tuple[
     return np.asarray(velocity / power).T, np.asarray(error / power, np.complex128).T
 
 
-def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) -> Probe:
-    """Sail a chain (`chain_of`); RunError if its boats cannot sail."""
+def probe(
+    chain: Scenario, reference: Reference, overrides: dict[str, float], path: Sequence[int]
+) -> Probe:
+    """Sail a chain (`chain_of`) of a path; RunError if a boat cannot sail or leaves its slot."""
     straight = _behind(chain, Input(surge_N=reference.input.surge_N))
     calm = _calm(straight)
     scenarios = [
@@ -109,10 +112,19 @@ def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) ->
         nu, error = run.trace["nu"][inside], run.trace["error"][inside]
         if not (np.isfinite(nu).all() and np.isfinite(error).all()):
             raise RunError("the boats diverge on a straight course")
+        stay(run.states, path)
         motions.append((nu, error))
     return Probe(
         t_s, motions[:RUNS], motions[RUNS : 2 * RUNS], motions[2 * RUNS], motions[2 * RUNS + 1 :]
     )
+
+
+def stay(states: Sequence[Mapping[str, float]], path: Sequence[int]) -> None:
+    """RunError if a boat was in a state other than FORMATION, or COAST, in which the law drives."""
+    for k, seconds in enumerate(states):
+        for state in seconds.keys() - _DRIVEN:
+            boat = path[min(k, len(path) - 1)]
+            raise RunError(f"boat {boat}, at depth {k + 1}, leaves FORMATION: {state}")
 
 
 def path_to(scenario: Scenario, agent: int) -> list[int]:

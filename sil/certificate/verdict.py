@@ -4,13 +4,17 @@
 import math
 from collections.abc import Iterator
 
+import flotilla
+
 from sil.certificate.certificate import Case, Certificate, Leg
-from sil.certificate.chain import too_deep
+from sil.certificate.chain import Chain, too_deep
 from sil.lockstep.metrics import SETTLED_M
+
+_IN_SLOT_M = 0.2  # least limit of the permanent distance; a boat's own is FS_SLOT_M / 5, if more
 
 
 def holds(certificate: Certificate) -> bool:
-    """Whether all boats converge, their thrusts suffice, and the longest chain holds."""
+    """Whether all boats converge to their slots, their thrusts suffice, and the chains hold."""
     return next(_failures(certificate), None) is None
 
 
@@ -27,6 +31,9 @@ def sentence(certificate: Certificate) -> str:
         f"least {slowest.sampled.decay:.3f} 1/s, and {100.0 * margin:.0f} % of the propellers' "
         f"limits is left"
     )
+    chains = [leg.chain for leg in certificate.legs if isinstance(leg.chain, Chain)]
+    if chains:
+        text += f"; chains examined: {' and '.join(name(path) for path in chains[0].examined)}"
     neutral = [case for _, case in cases if case.sampled.neutral]
     if neutral:
         text += "; while the leader is at rest, errors abeam stay as they are" + _up_to(neutral)
@@ -55,9 +62,19 @@ def _failures(certificate: Certificate) -> Iterator[str]:
             limit = ", a propeller at its limit" if case.sampled.limited else ""
             off = f"{_off_m(case):.2g} m off its slot"
             yield f"{name(case.boats)}: no steady regime, {off}{limit}" + _leg(leg, where)
-    for leg in certificate.legs:
+    for leg, case in cases:
+        limit_m = _in_slot_m(leg, case)
+        if not _off_m(case) <= limit_m:
+            off = f"{_off_m(case):.2f} m off the slot permanently, over {limit_m:.2g} m"
+            yield f"{name(case.boats)}: {off}" + _leg(leg, where)
+    yield from _chain_failures(certificate.legs)
+
+
+def _chain_failures(legs: list[Leg]) -> Iterator[str]:
+    where = len(legs) > 1
+    for leg in legs:
         if isinstance(leg.chain, str):
-            yield f"the longest chain of boats cannot be sailed: {leg.chain}" + _leg(leg, where)
+            yield f"a chain of boats cannot be sailed: {leg.chain}" + _leg(leg, where)
         elif leg.chain is not None and not leg.chain.holds:
             yield too_deep(leg.chain) + _leg(leg, where)
 
@@ -73,6 +90,14 @@ def _up_to(cases: list[Case]) -> str:
 def _off_m(case: Case) -> float:
     """Mean horizontal distance from the slot over the last window, m."""
     return math.hypot(*case.sampled.error[:2])
+
+
+def _in_slot_m(leg: Leg, case: Case) -> float:
+    """The distance within which a boat is in its slot, m (core/station.hpp)."""
+    own = case.setup.parameters
+    slot_m = own["FS_SLOT_M"] or flotilla.derived()["FS_SLOT_M"]  # as for the limits of a chain
+    at_rest = 1.6 * own["LAW_XT_DIST"] if leg.reference.kind == "rest" else 0.0
+    return max(_IN_SLOT_M, 0.2 * slot_m, at_rest)
 
 
 def name(boats: list[int]) -> str:

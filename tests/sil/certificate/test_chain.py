@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Chains: the certified depth is the depth to which they hold in simulation."""
 
+from collections.abc import Mapping
 from functools import cache
 
+import flotilla
 import pytest
 
-from sil.certificate import agreement, chain
+from sil.certificate import agreement, chain, probe
+from sil.certificate.certified_fleet import parameters
 from sil.certificate.references import references
+from sil.lockstep.start import RunError
 from sil.scenario import scenario
 from sil.scenario.law import Law
 
@@ -37,3 +41,39 @@ def test_a_slow_turn_is_passed_on_as_it_is() -> None:
     found = followed(0.2)
     assert found.yaw.hop[0] == pytest.approx(1.0, abs=0.05)
     assert found.surge.hop[0] == pytest.approx(1.0, abs=0.05)
+
+
+def lines(name: str, *overrides: str) -> list[list[int]]:
+    chosen = scenario.load(name, overrides)
+    return chain.lines(chosen, parameters(chosen, {}))
+
+
+def test_lines_of_equal_boats_are_examined_once_and_others_each() -> None:
+    branches = [f"boat.{boat}.follows={boat - 2}" for boat in range(3, 11)]  # two lines of five
+    equal = ["boat.2.follows=0", *branches]
+    assert lines("line10", *equal) == [[1, 3, 5, 7, 9]]
+    other = [*equal, "boat.10.parameters={LAW_KX=0.3}"]
+    assert lines("line10", *other) == [[1, 3, 5, 7, 9], [2, 4, 6, 8, 10]]
+    shorter = [*equal, "boat.9.follows=0", "boat.10.parameters={LAW_REF=0}"]
+    assert lines("line10", *shorter) == [[2, 4, 6, 8, 10], [1, 3, 5, 7]]
+    assert lines("star20") == [[1, 2]]
+
+
+def test_limits_are_raised_by_the_motion_of_the_root_alone() -> None:
+    own = {"LAW_R_MAX": 0.0, "LAW_U_MAX": 1.2}
+    slow = chain.limits_of([own], flotilla.derived(), (0.1, 0.5))
+    assert (slow.yaw_rate, slow.speed) == pytest.approx((0.8, 1.2))
+    fast = chain.limits_of([own], flotilla.derived(), (1.0, 2.0))
+    assert (fast.yaw_rate, fast.speed) == pytest.approx((1.2, 2.4))
+    assert slow.off_slot_m == fast.off_slot_m == chain.OFF_SLOT_M
+
+
+@pytest.mark.parametrize(("state", "named"), [("HOLD", True), ("COAST", False)])
+def test_boat_that_leaves_formation_in_a_probe_is_named(state: str, named: bool) -> None:
+    states: list[Mapping[str, float]] = [{"FORMATION": 9.0}] * 2
+    states += [{"FORMATION": 6.0, state: 3.0}]
+    if not named:
+        return probe.stay(states, [4, 7])
+    with pytest.raises(RunError, match=f"boat 7, at depth 3, leaves FORMATION: {state}"):
+        probe.stay(states, [4, 7])
+    return None

@@ -59,6 +59,20 @@ def test_boat_that_stays_beside_its_slot_is_certified_and_told(straight: Certifi
     assert "0.50 m off the slot permanently" in verdict.sentence(beside)
 
 
+@pytest.mark.parametrize(("slot_m", "limit"), [(5.0, "1"), (0.5, "0.2"), (0.0, "1")])
+def test_boat_that_stays_far_beside_its_slot_is_not_certified(
+    straight: Certificate, slot_m: float, limit: str
+) -> None:
+    far = with_loop(straight, error=[3.0, 4.0, 0.0])
+    (leg,) = far.legs
+    (case,) = leg.cases
+    own = {**case.setup.parameters, "FS_SLOT_M": slot_m}
+    cases = [replace(case, setup=replace(case.setup, parameters=own))]
+    far = replace(far, legs=[replace(leg, cases=cases)])
+    assert not verdict.holds(far)
+    assert f"boats 1–4: 5.00 m off the slot permanently, over {limit} m" in verdict.sentence(far)
+
+
 @pytest.mark.parametrize(("look_ahead_m", "said"), [(1.0, "up to 1.5 m"), (0.0, "as they are")])
 def test_which_errors_stay_behind_a_leader_at_rest_is_said(
     straight: Certificate, look_ahead_m: float, said: str
