@@ -95,7 +95,6 @@ struct SeparationParams {
   S horizon = S(4);       ///< T, s; chosen: least value, enough for the paper's hull; horizon_of()
   S horizon_max = S(20);  ///< greatest T, s; chosen: above the 15 s that a WAM-V needs
   S reaction = S(0.4);    ///< t_r, s; chosen: delay of messages and propellers
-  S unlimited = S(1000);  ///< clearance without vessels, m; chosen: beyond every tested place
 
   // Distances, ratio to D_min.
   S hold = S(1.1);   ///< k_h; chosen: least distance of any approach, a margin over D_min
@@ -205,6 +204,12 @@ S stopping_speed(S a, S reaction, S gap) {
   return hypot(lag, sqrt(S(2) * a) * sqrt(gap)) - lag;
 }
 
+/// Clearance without vessels, m; chosen: beyond every tested place.
+template <class S>
+S unlimited() {
+  return S(1000);
+}
+
 template <class S>
 S quarter_turn() {
   return S(1.5707963267948966);
@@ -291,7 +296,7 @@ S clearance(const SeparationParams<S>& params, const std::array<Stretch<S>, 5>& 
             const OtherVessel<S>& other, S keep) {
   Vec2<S> p = other.p_n;
   const S meanwhile = min(keep, length(p) - params.nearer);
-  S least = params.unlimited;
+  S least = unlimited<S>();
   for (const Stretch<S>& stretch : path) {
     const Vec2<S> q = minus(other.v_n, stretch.v_n);
     const bool whole = !other.stranger && &stretch == &path.back();
@@ -306,7 +311,7 @@ template <class S>
 S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
             const SeparationInput<S>& in, const Vec2<S>& w) {
   const std::array<Stretch<S>, 5> path = path_to(params, in, w, state.bow_first);
-  S least = params.unlimited;
+  S least = unlimited<S>();
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
     const S room = room_for(params, state.stuck_s, other.stranger);
