@@ -35,9 +35,10 @@
 //  a, t_r    half the full-astern deceleration; reaction time   m/s², s
 //  a_r       yaw acceleration by the moment left while braking  rad/s²
 //
-// A choice that is clear of vessels of constant velocity stays clear while it is sailed, because
-// the rest of the path stays the same: a boat that once had a clear choice keeps one. Two boats
-// never wait for each other: one has right of way, the other makes room. A boat without progress
+// A choice that is clear of vessels of constant velocity stays clear for the rest of its horizon,
+// which moves on with time: later there may be no clear choice, for example among vessels that
+// close in from all sides. Of two boats one has right of way, the other makes room, so that neither
+// waits for ever. A boat without progress
 // turns its aim to starboard until it finds a way round, and accepts less clearance (T_n). After
 // 2 s without progress while going astern behind a slot that makes way, it turns about, |δ| ≤ π,
 // u_w = 0, to a course that is clear and open; if there is none, it continues as before.
@@ -47,8 +48,9 @@
 // From a stranger the boat keeps (k_e − k_y) D_min more, and it turns to port only if no other open
 // course is clear or after 10 s without progress (COLREGs, rules 14, 15 and 17).
 //
-// The limit of u* applies to every boat, also with right of way: two boats that both obey it stay
-// k_h D_min apart. Slots must be farther apart than k_e D_min.
+// The limit of u* applies to every boat, also with right of way. It aims at k_h D_min, but supposes
+// that the boat follows u* within t_r; heavy boats and slow propellers come nearer (MAVLINK.md has
+// figures). Slots must be farther apart than k_e D_min.
 //
 // Not in paper. Sources of the ideas: C. Lee, J. Park, J. Kim, arXiv 2504.19247 (turning circles);
 // T. Paine et al., arXiv 2601.11335 (worst case); P. Fiorini, Z. Shiller, IJRR 17 (1998).
@@ -97,7 +99,7 @@ struct SeparationParams {
   S reaction = S(0.4);    ///< t_r, s; chosen: delay of messages and propellers
 
   // Distances, ratio to D_min.
-  S hold = S(1.1);   ///< k_h; chosen: least distance of any approach, a margin over D_min
+  S hold = S(1.1);   ///< k_h; chosen: distance that approaches aim at, a margin over D_min
   S yield = S(1.4);  ///< k_y: yielding begins; chosen: above k_h, which leaves room to pass
   S end = S(1.5);    ///< k_e: yielding ends; chosen: above k_y, or it would begin again at once
 
