@@ -37,11 +37,11 @@
 //
 // A choice that is clear of vessels of constant velocity stays clear for the rest of its horizon,
 // which moves on with time: later there may be no clear choice, for example among vessels that
-// close in from all sides. Of two boats one has right of way, the other makes room, so that neither
-// waits for ever. A boat without progress
-// turns its aim to starboard until it finds a way round, and accepts less clearance (T_n). After
-// 2 s without progress while going astern behind a slot that makes way, it turns about, |δ| ≤ π,
-// u_w = 0, to a course that is clear and open; if there is none, it continues as before.
+// close in from all sides. Of two boats one has right of way and the other makes room, so neither
+// waits for ever. A boat without progress turns its aim to starboard until it finds a way round,
+// and accepts less clearance (T_n). After 2 s without progress while going astern behind a slot
+// that makes way, it turns about, |δ| ≤ π, u_w = 0, to a course that is clear and open; if there
+// is none, it continues as before.
 //
 // A course is closed if the boat cannot stop on it within its fence (app/plan/fence_watch.hpp).
 //
@@ -93,10 +93,9 @@ struct Traffic {
 /// tests.loop.encounters sails with all of them.
 template <class S>
 struct SeparationParams {
-  S least{};              ///< D_min, m; 0: off
-  S horizon = S(4);       ///< T, s; chosen: least value, enough for the paper's hull; horizon_of()
-  S horizon_max = S(20);  ///< greatest T, s; chosen: above the 15 s that a WAM-V needs
-  S reaction = S(0.4);    ///< t_r, s; chosen: delay of messages and propellers
+  S least{};            ///< D_min, m; 0: off
+  S horizon = S(4);     ///< T, s; chosen: least value, enough for the paper's hull; horizon_of()
+  S reaction = S(0.4);  ///< t_r, s; chosen: delay of messages and propellers
 
   // Distances, ratio to D_min.
   S hold = S(1.1);   ///< k_h; chosen: distance that approaches aim at, a margin over D_min
@@ -104,27 +103,20 @@ struct SeparationParams {
   S end = S(1.5);    ///< k_e: yielding ends; chosen: above k_y, or it would begin again at once
 
   // Choice of w.
-  S eager = S(1);        ///< T_e, s; chosen: short, so that a boat passes rather than waits
-  S aside = S(0.3);      ///< k_t, rad/s; chosen: the aim turns by π within 10 s
-  S same = S(0.1);       ///< hysteresis, ratio to U and D_min; chosen
-  S slower = S(0.5);     ///< second speed of the 16 courses, ratio to U; chosen
-  S to_port = S(-0.02);  ///< w_0 × w of a turn to port, (m/s)²; chosen: not 0, for rounding
-  S nearer = S(0.05);    ///< ε, m; chosen: tolerance for noise, which would make w unclear
-  S turning = S(2);      ///< k_r, 1/s: ratio of r* to δ; chosen
-  S any_rate = S(1);     ///< r_m where LAW_R_MAX is 0, rad/s; chosen
-  S faster = S(1.1);     ///< k_U: ratio of U to the slot's speed; chosen: catches up with it
+  S eager = S(1);      ///< T_e, s; chosen: short, so that a boat passes rather than waits
+  S aside = S(0.3);    ///< k_t, rad/s; chosen: the aim turns by π within 10 s
+  S same = S(0.1);     ///< hysteresis, ratio to U and D_min; chosen
+  S nearer = S(0.05);  ///< ε, m; chosen: tolerance for noise, which would make w unclear
+  S turning = S(2);    ///< k_r, 1/s: ratio of r* to δ; chosen
+  S any_rate = S(1);   ///< r_m where LAW_R_MAX is 0, rad/s; chosen
+  S faster = S(1.1);   ///< k_U: ratio of U to the slot's speed; chosen: catches up with it
 
   // Progress towards the slot.
-  S narrow = S(6);        ///< T_n, s; chosen
-  S astern_s = S(2);      ///< τ from which a boat turns about, s; chosen, see tests.loop.shapes
-  S stranger_s = S(10);   ///< τ from which a stranger is passed on either side, s; chosen
-  S stuck_max_s = S(60);  ///< τ at which it starts again from 0, s; chosen
-  S slow = S(4);          ///< ratio of U to a slow speed; chosen
-  S nearing = S(2);       ///< ratio of that speed to one that counts as progress; chosen
-  S recovery = S(2);      ///< ratio of the rates at which τ grows and decreases; chosen
+  S narrow = S(6);       ///< T_n, s; chosen
+  S astern_s = S(2);     ///< τ from which a boat turns about, s; chosen, see tests.loop.shapes
+  S stranger_s = S(10);  ///< τ from which a stranger is passed on either side, s; chosen
 
   // Limit of u*.
-  S boats = S(0.5);     ///< own share of the gap, 1/2 in the equation: both boats may approach
   S receding = S(0.8);  ///< k_v: assumed share of its receding speed; chosen
 };
 
@@ -217,10 +209,10 @@ S quarter_turn() {
   return S(1.5707963267948966);
 }
 
-/// T for a boat with these limits.
+/// T for a boat with these limits. Its greatest value is chosen: above the 15 s that a WAM-V needs.
 template <class S>
 S horizon_of(const SeparationParams<S>& params, S U, S r_m, S a) {
-  const S least = params.horizon, most = params.horizon_max;
+  const S least = params.horizon, most = S(20);
   if (!(S(0) < U && S(0) < r_m && S(0) < a)) return least;
   const S gather_s = U < S(2) * a * most ? U / (S(2) * a) : most;
   const S quarter_s = quarter_turn<S>() / r_m, room_s = params.end * params.least / U;
@@ -358,13 +350,14 @@ Choice<S> choose(const SeparationParams<S>& params, const SeparationState<S>& st
   const Intent<S>& intent = in.intent;
   const Vec2<S> w_e = aim(params, state, intent);
   const bool by_rule = stranger && state.stuck_s < params.stranger_s;
+  const S rounding = S(-0.02);  // (m/s)²; a course straight ahead does not count as to port
   Choice<S> best{};
   const std::uint16_t closed_courses = in.traffic.closed;
   const auto consider = [&](const Vec2<S>& w, S bonus) {
     const bool closed = is_closed(closed_courses, w);
     const S h = clearance(params, state, in, w) + bonus * params.least;
     const Vec2<S>& ahead = intent.straight_n;
-    const bool to_port = by_rule && ahead.x * w.y - ahead.y * w.x < params.to_port;
+    const bool to_port = by_rule && ahead.x * w.y - ahead.y * w.x < rounding;
     const int rank = h < S(0) ? 0 : (closed ? 2 : 4) - (to_port ? 1 : 0);
     const S cost = rank == 0 ? (closed ? params.least : S(0)) - h
                              : length(minus(w, w_e)) - bonus * intent.fastest;
@@ -378,7 +371,7 @@ Choice<S> choose(const SeparationParams<S>& params, const SeparationState<S>& st
   Vec2<S> course = {intent.fastest, S(0)};
   for (unsigned k = 0; k < kCourses; ++k) {
     consider(course, S(0));
-    consider({params.slower * course.x, params.slower * course.y}, S(0));
+    consider({S(0.5) * course.x, S(0.5) * course.y}, S(0));
     course = {c * course.x - s * course.y, s * course.x + c * course.y};
   }
   return best;
@@ -415,34 +408,33 @@ Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& 
   return seen;
 }
 
-/// Advances τ while the boat is off its slot, slow beside it (or yields to a stranger), and comes
-/// no nearer.
-/// If that lasts while it goes astern behind a slot that moves, it turns about.
+/// Advances τ while the boat is off its slot, slow beside it (or yields to a stranger), and comes no
+/// nearer; else τ decreases at half that rate. After 60 s it starts again from 0. Slow is U/4, and
+/// half of that counts as progress; all are chosen. If τ grows while the boat goes astern behind a
+/// slot that moves, it turns about.
 template <class S>
 void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
                  const SeparationInput<S>& in, bool stranger) {
   const Intent<S>& intent = in.intent;
-  const S off = length(intent.off_n), slow = intent.fastest / params.slow;
+  const S off = length(intent.off_n), slow = intent.fastest / S(4);
   const Vec2<S> q = minus(to_north_east(in.R, Vec2<S>{in.nu.u, in.nu.v}), intent.slot_n);
-  const bool stuck =
-      state.yielding && slow < off && (stranger || length(q) < slow) &&
-      dot(q, Vec2<S>{intent.off_n.x / off, intent.off_n.y / off}) < slow / params.nearing;
+  const bool stuck = state.yielding && slow < off && (stranger || length(q) < slow) &&
+                     dot(q, Vec2<S>{intent.off_n.x / off, intent.off_n.y / off}) < slow / S(2);
   const bool patient = !(params.astern_s < state.stuck_s);
-  state.stuck_s =
-      stuck ? state.stuck_s + in.dt : max(S(0), state.stuck_s - in.dt / params.recovery);
+  state.stuck_s = stuck ? state.stuck_s + in.dt : max(S(0), state.stuck_s - in.dt / S(2));
   const bool loses = in.nu.u < S(0) && !stranger && slow < length(intent.slot_n);
   const bool begins = loses && patient && params.astern_s < state.stuck_s;
   state.bow_first = state.yielding && (state.bow_first || begins);
-  if (params.stuck_max_s < state.stuck_s) state.stuck_s = S(0);
+  if (S(60) < state.stuck_s) state.stuck_s = S(0);
 }
 
-/// Limits u so that u* n stays within its bound for every vessel.
+/// Limits u so that u* n stays within its bound for every vessel. Half of the gap is left to it.
 template <class S>
 S held_back(const SeparationParams<S>& params, const SeparationInput<S>& in, S u) {
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
     const S d = max(length(other.p_n), S(0.001));
-    const S gap = params.boats * (d - other.margin - params.hold * params.least);
+    const S gap = S(0.5) * (d - other.margin - params.hold * params.least);
     const S receding = max(S(0), dot(other.v_n, Vec2<S>{other.p_n.x / d, other.p_n.y / d}));
     const S limit = stopping_speed(in.a, params.reaction, gap) + params.receding * receding;
     const S n = to_body(in.R, other.p_n).x / d;

@@ -95,7 +95,7 @@ class Chain:
 
     `path`: its boats; `reference`: whether all of them steer by the formation's reference;
     `depths`: from the first boat on; `certified`: the number of depths, from the first on, that
-    keep `limits`; `examined`: all lines of boats that were examined, of which this is the worst.
+    keep `limits`; `examined`: all lines of boats that were examined; this one is the worst.
     """
 
     path: list[int]
@@ -182,10 +182,10 @@ def lines(scenario: Scenario, every: list[dict[str, float]]) -> list[list[int]]:
     """Lines of two boats or more from the root, the longest first, each sequence of kinds once."""
     kinds = [_kind(scenario, agent, own) for agent, own in enumerate(every, start=1)]
     ends = range(1, len(every) + 1)
-    lines = sorted((path_to(scenario, end) for end in ends), key=len, reverse=True)
+    longest_first = sorted((path_to(scenario, end) for end in ends), key=len, reverse=True)
     kept: list[list[int]] = []
     known: set[tuple[str, ...]] = set()
-    for line in lines:
+    for line in longest_first:
         own = tuple(kinds[agent - 1] for agent in line)
         whole = _whole([every[agent - 1] for agent in line])
         if kept and (len(line) < 2 or (*own, str(whole)) in known):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The clocks in a vessel's messages: tells a restart from a late message and from a second vessel.
 
-A message that arrives at t with the time b since its sender's start says that it started at t − b.
-A late message says so later; two vessels with one system id say two times in turn.
+A message that arrives at t, with the time b since its sender's start, gives t − b as the start. For
+a late message that is too late; two vessels with one system id give two starts in turn.
 """
 
 from collections import deque

@@ -48,7 +48,7 @@ void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::i
   const std::uint8_t unit = track_.unit();
   track_.take(received, now_us, counters);
   if (track_.unit() != unit) latency_.forget();
-  if (track_.accepted(now_us)) link_ = link;
+  if (track_.accepted(now_us)) link_ = static_cast<std::uint8_t>(link);
   if (!track_.is_from_unit(received.from)) return;
   quality_.take(received, limits_, now_us);
   if (const auto* gps = std::get_if<link::GpsRawInt>(&received.message)) {

@@ -76,7 +76,7 @@ class OwnMotion {
   core::ObserverParams<S> adjusted_for_latency(const core::ObserverParams<S>& params) const;
 
   VesselTrack<S> track_;
-  std::optional<std::size_t> named_link_, link_;  // NAV_LINK; the link that brings the states
+  std::optional<std::uint8_t> named_link_, link_;  // NAV_LINK; the link that brings the states
   core::Observer<S> observer_{};
   convert::Position anchor_;
   bool armed_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Moves places from one shape to the next along straight paths, of which s is the share covered.
+// Moves places from one shape to the next along straight paths; s is the share that is covered.
 // The leader's plan permits one speed before T₁ and another after it.
 //
 //   ṡ rises to v₁ in ρ, goes over to v₂ in ρ around T₁, and falls to 0 in ρ, until T

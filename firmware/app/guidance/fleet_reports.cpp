@@ -14,7 +14,7 @@ namespace mav = link::mav;
 
 // A boat silent for this long has left, or has failed: do not wait for it.
 constexpr std::int64_t kSilent_us = 3'000'000;
-constexpr int kReturns = 3;
+constexpr std::uint8_t kReturns = 3;
 
 }  // namespace
 
@@ -82,7 +82,8 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
     if (from != leader_ || beat->autopilot == mav::kAutopilotInvalid) return;
     constexpr std::uint8_t kSails = mav::kModeFlagCustom | mav::kModeFlagArmed;
     const bool returns = beat->custom_mode == mode::kReturn && (beat->base_mode & kSails) == kSails;
-    returns_ = returns ? std::min(returns_ + 1, kReturns) : 0;
+    if (!returns) returns_ = 0;
+    if (returns && returns_ < kReturns) ++returns_;
     return_us_ = now_us;
   }
 }

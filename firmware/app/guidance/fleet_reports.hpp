@@ -45,9 +45,9 @@ class FleetReports {
   void take_member(std::uint8_t system, bool follows, std::int64_t now_us);
 
   std::uint8_t own_ = 0, leader_ = 0;
+  std::uint8_t returns_ = 0;  // the leader's reports of RTL in a row, at most kReturns
   std::int64_t wait_us_ = 0;
-  std::int64_t return_us_ = 0;  // last report of RTL by the leader
-  int returns_ = 0;             // such reports in a row
+  std::int64_t return_us_ = 0;  // the last one
   std::array<Member, 24> members_{};
   std::size_t used_ = 0;  // entries from here on are free
 };

@@ -75,8 +75,7 @@ Configuration configuration_of(const Parameters& p) {
                    .drag_s = std::min(p.VES_M11 / p.VES_D11, 60.0F)},
       .navigation = {.lag_s = unless_negative(p.NAV_LAG_S),
                      .component = whole<Byte>(p.NAV_COMPID),
-                     .link = p.NAV_LINK < 0 ? std::nullopt
-                                            : std::optional(whole<std::size_t>(p.NAV_LINK)),
+                     .link = p.NAV_LINK < 0 ? std::nullopt : std::optional(whole<Byte>(p.NAV_LINK)),
                      .quality = {.fix = whole<Byte>(p.NAV_FIX),
                                  .hdop = p.NAV_HDOP,
                                  .accuracy_m = p.NAV_ACC_M,

@@ -46,9 +46,9 @@ struct Configuration {
   };
 
   struct Navigation {
-    std::optional<float> lag_s;       ///< NAV_LAG_S; nothing: unknown
-    std::uint8_t component = 0;       ///< NAV_COMPID, 0: any
-    std::optional<std::size_t> link;  ///< NAV_LINK; nothing: any
+    std::optional<float> lag_s;        ///< NAV_LAG_S; nothing: unknown
+    std::uint8_t component = 0;        ///< NAV_COMPID, 0: any
+    std::optional<std::uint8_t> link;  ///< NAV_LINK; nothing: any
     Quality quality;
     std::int64_t own_limit_us = 0, leader_limit_us = 0;  ///< ages at which states are too old
   };

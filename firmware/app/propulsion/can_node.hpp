@@ -119,7 +119,7 @@ class CanNode {
   std::optional<std::int64_t> foreign_us_;
   std::int64_t button_us_ = kNever;
   std::int64_t safety_on_us_ = kNever;
-  std::array<SafetySwitch, 4> switches_{};
+  std::array<SafetySwitch, 3> switches_{};  // whose silence is missed
   std::optional<std::int64_t> started_us_;
   Schedule arming_due_;
   Schedule status_due_;

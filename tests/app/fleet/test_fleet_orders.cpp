@@ -15,6 +15,15 @@ using testing::kOperator;
 using testing::table_of_four;
 using testing::under_way;
 
+/// A table in which tablet 50, which sends no beacons, takes boat 1's place.
+void tablet_leads(Harbour& harbour) {
+  FleetTable tablet = table_of_four(2);
+  tablet.members[0].system = 50;
+  tablet.members[0].only_leads = true;
+  tablet.members[1].leader = tablet.members[3].leader = 50;
+  harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
+}
+
 TEST_CASE("whoever takes over from a leader that sails no plan waits: it starts none") {
   for (const State state : {State::kGuided, State::kLoiter, State::kReturn}) {
     CAPTURE(static_cast<int>(state));
@@ -40,11 +49,7 @@ TEST_CASE("whoever takes over from a leader that paused its plan waits") {
 TEST_CASE("a plan that the fleet once sailed is not taken up after a root without a plan") {
   Harbour harbour = under_way();
   harbour.boats[0].state = State::kHold;
-  FleetTable tablet = table_of_four(2);
-  tablet.members[0].system = 50;
-  tablet.members[0].only_leads = true;
-  tablet.members[1].leader = tablet.members[3].leader = 50;
-  harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
+  tablet_leads(harbour);
   for (int tenth = 0; tenth < 50; ++tenth) {
     for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {50, 1});
     harbour.sail(0.1);
@@ -56,11 +61,7 @@ TEST_CASE("a plan that the fleet once sailed is not taken up after a root withou
 
 TEST_CASE("a camera does not keep a tablet alive that leads") {
   Harbour harbour = under_way();
-  FleetTable tablet = table_of_four(2);
-  tablet.members[0].system = 50;
-  tablet.members[0].only_leads = true;
-  tablet.members[1].leader = tablet.members[3].leader = 50;
-  harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
+  tablet_leads(harbour);
   for (int tenth = 0; tenth < 70; ++tenth) {
     for (std::size_t who = 1; who < 4; ++who) {
       if (tenth < 50) harbour.hear(who, link::Attitude{}, {50, 1});

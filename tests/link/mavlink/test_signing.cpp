@@ -337,7 +337,7 @@ TEST_CASE("started again with a clock that is behind, a boat sends newer stamps 
     CHECK(station.check(sent_by(after, encoder)) == kGood);
     CHECK(after.timestamp() == before.timestamp() + 1 + static_cast<std::uint64_t>(k));
   }
-  // What it hears it judges by its clock, and a sender begins later than what it had stored.
+  // Messages are judged by the clock, and a first one must be newer than the stored time.
   CHECK(after.check(Sender{{1, 1}}.frame(before.timestamp())) == kStale);
   CHECK(after.check(Sender{{1, 1}}.frame(before.timestamp() + 1)) == kGood);
   CHECK(after.check(Sender{{1, 3}}.frame(kNow + 60 * kSecond)) == kGood);
