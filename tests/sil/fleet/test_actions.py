@@ -152,6 +152,12 @@ def test_an_order_to_the_leader_moves_the_fleet(waters: Waters) -> None:
     assert waters.state(1) == "RTL"
 
 
+def test_go_waits_for_the_place_of_the_boat_that_is_named(waters: Waters) -> None:
+    status, words = waters.command(action="go", way_m=(12.0, -5.0), boats=(1,))
+    assert status == 0, words
+    assert waters.state(1) == "GUIDED"
+
+
 def test_hold_and_follow_again(waters: Waters) -> None:
     waters.command(action="form", shape="vee", spacing_m=4.0)
     assert waters.command(action="hold")[0] == 0
