@@ -121,6 +121,7 @@ def test_no_packet_is_missing_or_twice_in_the_log_of_a_link(sea: RealSea, tmp_pa
     sea.connect(Udp(), Udp())
     sea.start(f"--log={tmp_path / 'log'}")
     sea.enter_formation()
+    sea.until(lambda: all(len(sea.named("HEARTBEAT", link)) > 4 for link in (0, 1)))
     assert sea.end() == 0
     tlogs = sorted((tmp_path / "log").glob("*.tlog"))
     assert [path.name for path in tlogs] == ["mavlink0-00001.tlog", "mavlink1-00001.tlog"]
