@@ -10,4 +10,7 @@ string(JOIN " " CMAKE_CXX_FLAGS_INIT
   -ffunction-sections -fdata-sections
   -fno-exceptions -fno-rtti -fno-unwind-tables -fno-asynchronous-unwind-tables
   -fno-threadsafe-statics -fno-use-cxa-atexit
-  -Wno-psabi)
+  -Wno-psabi
+  # Saves 1,700 bytes of flash: one partition for the linker, no copied loop heads, no guesses at branches, no
+  # instructions moved for a pipeline.
+  -flto-partition=one -fno-tree-ch -fno-guess-branch-probability -fno-schedule-insns2)
