@@ -5,6 +5,7 @@
 
 Each run has a sender that answers TIMESYNC, the leader or the own unit, and paths both ways with
 drawn delays: from 0 to 10 s, from the start, in steps, slowly, both ways or one, in order or not.
+In half of the runs the sender's clock is also set once, or runs fast or slow.
 An operator requests FORMATION all the time. The harness knows the true age of each state.
 """
 
@@ -27,6 +28,8 @@ from tests.target.sea import Sea
 from tests.target.stations import FORMATION
 
 DELAYS_S = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0)
+CLOCK_SET_S = (0.0, 0.0, 0.9, 1.9, 9.9, -0.9, -9.9)
+DRIFTS = (0.0, 0.0, 0.001, 0.01, -0.001)
 DURATION_S = 60.0
 RUNNING = ("FORMATION", "COAST")
 
@@ -64,6 +67,9 @@ class LateAgent(Agent):
     to: Way
     fro: Way
     newest_us: int = -1
+    drift: float = 0.0
+    set_s: float = 0.0
+    set_at_us: int = 0
 
     def __init__(self, plain: Agent) -> None:
         super().__init__(plain.station, plain.course, plain.period_us, beats=plain.beats)
@@ -72,6 +78,11 @@ class LateAgent(Agent):
         self.asked: list[tuple[int, int]] = []
         self.told: list[tuple[int, int]] = []
         self.last_us = self.last_asked_us = 0
+
+    def clock(self, now_us: int) -> int:
+        drifted_us = round(self.drift * (now_us - START_US))
+        set_us = round(1e6 * self.set_s) if now_us >= self.set_at_us else 0
+        return super().clock(now_us) + drifted_us + set_us
 
     def post(self, now_us: int, message: Any) -> None:
         at_us = now_us + self.to.delay_us(now_us)
@@ -135,6 +146,9 @@ def sailed(seed: int, answers: bool = True) -> Ended:
     late.to, late.fro = random.choice(
         [ways, (ways[0], ways[0]), (ways[0], still), (still, ways[1])]
     )
+    if answers and random.random() < 0.5:
+        late.set_s, late.drift = random.choice(CLOCK_SET_S), random.choice(DRIFTS)
+        late.set_at_us = START_US + round(1e6 * random.uniform(0.0, 0.6 * DURATION_S))
     setattr(sea, who, late)
     limit_s = sea.boat.parameters()["FS_LEADER_S" if who == "leader" else "FS_NAV_S"]
     judged = RUNNING[:1] if who == "leader" else RUNNING

@@ -2,7 +2,6 @@
 #include "app/navigation/clock_offset.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace flotilla::app {
@@ -24,41 +23,42 @@ void ClockOffset::widen(std::int64_t now_us) {
   constexpr std::uint32_t kPerMicrosecond_us = 1'000'000 / kDrift_ppm;
   const std::int64_t since_us = now_us - widened_us_;
   if (since_us < kPerMicrosecond_us) return;
-  // 32 bits suffice for an hour; a 64-bit division is a long function on a small processor.
-  const bool is_short = since_us <= std::numeric_limits<std::uint32_t>::max();
-  const std::int64_t by_us = is_short ? static_cast<std::uint32_t>(since_us) / kPerMicrosecond_us
-                                      : since_us / kPerMicrosecond_us;
+  // An hour at most: a 64-bit division is a long function on a small processor.
+  const std::uint32_t by_us =
+      static_cast<std::uint32_t>(std::min<std::int64_t>(since_us, kFarthest_us)) /
+      kPerMicrosecond_us;
   widened_us_ = now_us;
   if (upper_) *upper_ += by_us;
-  if (lower_) *lower_ -= by_us;
+  if (was_answered()) nearness_ -= 2 * by_us;
 }
 
 void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
   widen(now_us);
   const std::int64_t upper = now_us - stamp_us;
   upper_ = upper_ && !std::exchange(begins_anew_, false) ? std::min(*upper_, upper) : upper;
-  // The sender's clock was set. The newer bound is right.
-  if (lower_ && *lower_ > *upper_ + kRounded_us) lower_.reset();
-  if (lower_) lower_ = std::min(*lower_, *upper_);
 }
 
 void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
+  constexpr unsigned kAnswers = 16;  // twice as many last half a minute
   widen(now_us);
-  const std::int64_t lower = sent_us - read_us;
   if (!upper_) return;
-  const bool contradicts = lower > *upper_ + kRounded_us;
-  disputed_ = contradicts || *upper_ - lower > kWidest_us;
+  const std::int64_t width_us = *upper_ - (sent_us - read_us);
+  begins_anew_ = width_us < -kRounded_us;
+  disputed_ = begins_anew_ || width_us > kWidest_us;
   if (disputed_) {
-    begins_anew_ = contradicts;
-    lower_.reset();
+    nearness_ = next_ = 0;
     return;
   }
-  lower_ = std::min(lower_ ? std::max(*lower_, lower) : lower, *upper_);
+  const auto near = kFarthest_us - static_cast<std::uint32_t>(std::max<std::int64_t>(width_us, 0));
+  next_ = std::max(next_, near);
+  nearness_ = std::max(nearness_, next_);
+  if (++answers_ % kAnswers == 0) nearness_ = std::exchange(next_, 0);
 }
 
-std::optional<std::int64_t> ClockOffset::offset_us() const {
-  if (!upper_ || !lower_) return upper_;
-  return *lower_ + (*upper_ - *lower_) / 2;
+/// A share of the width below the upper bound.
+std::optional<std::int64_t> ClockOffset::below_upper(std::uint32_t share) const {
+  if (!upper_ || !was_answered()) return upper_;
+  return *upper_ - (kFarthest_us - nearness_) / share;
 }
 
 }  // namespace flotilla::app

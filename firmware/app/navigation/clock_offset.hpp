@@ -5,9 +5,14 @@
 // ≥ offset; a request cannot be read before it was sent, so sent − read ≤ offset. The bounds widen
 // as the clocks may drift; their middle is exact if both directions have the same latency. An answer
 // that contradicts the stamps leaves the offset without a lower bound, as if there had been none.
+//
+// When the upper bound falls, either a message was quicker than all before it, or their clock was
+// set ahead or runs fast. So the lower bound falls with it until an answer confirms it, and no answer
+// counts longer than the 32 after it: their clock may have been set back and ahead again.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace flotilla::app {
@@ -21,13 +26,13 @@ class ClockOffset {
   void answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us);
 
   /// µs to add to their time to get ours; nothing before the first message.
-  std::optional<std::int64_t> offset_us() const;
+  std::optional<std::int64_t> offset_us() const { return below_upper(2); }
 
   /// The least possible offset; it gives the greatest possible age.
-  std::optional<std::int64_t> least_us() const { return lower_ ? lower_ : upper_; }
+  std::optional<std::int64_t> least_us() const { return below_upper(1); }
 
   /// TIMESYNC bounds the offset from below.
-  bool was_answered() const { return lower_.has_value(); }
+  bool was_answered() const { return nearness_ != 0; }
 
   /// The last answer contradicts the stamps, or took too long to be useful.
   bool disputed() const { return disputed_; }
@@ -35,11 +40,16 @@ class ClockOffset {
   void reset() { *this = ClockOffset{}; }
 
  private:
+  static constexpr std::uint32_t kFarthest_us = std::numeric_limits<std::uint32_t>::max();
+
   void widen(std::int64_t now_us);
+  std::optional<std::int64_t> below_upper(std::uint32_t share) const;
 
   std::int64_t widened_us_ = 0;
   std::optional<std::int64_t> upper_;
-  std::optional<std::int64_t> lower_;
+  // How near the lower bound is to the upper one, kFarthest_us minus their distance; 0: unknown.
+  std::uint32_t nearness_ = 0, next_ = 0;  ///< by the last 16 to 31 answers, by the last 0 to 15
+  std::uint8_t answers_ = 0;
   bool disputed_ = false;
   bool begins_anew_ = false;  ///< with the next stamp: their clock was set
 };

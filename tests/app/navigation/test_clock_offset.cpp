@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "app/navigation/clock_offset.hpp"
 
@@ -148,6 +151,88 @@ TEST_CASE("a clock that is set ahead and back between two answers is known again
   radio.talk(clock, 20'450'000, 23'000'000, true);
   CHECK(clock.was_answered());
   CHECK(std::abs(radio.error_ms(clock, 23'000'000)) < 1);
+}
+
+/// A sender whose messages take to_us, and ours fro_us, and whose clock runs ahead by drift and
+/// steps. Checks after each message that it is not believed to be younger than it is.
+struct Late {
+  std::int64_t to_us, fro_us;
+  double drift = 0;
+  std::int64_t ahead_us = 0, set_us = 0;  ///< the clock was set ahead by that much, at that time
+  std::int64_t now_us = 0;
+  ClockOffset clock{};
+
+  std::int64_t theirs(std::int64_t us) const {
+    return us + static_cast<std::int64_t>(drift * static_cast<double>(us)) +
+           (us < set_us ? 0 : ahead_us);
+  }
+  /// By how much a message that arrives now is older than the greatest age that the clock tells.
+  std::int64_t missing_us() const {
+    return theirs(now_us - to_us) + *clock.least_us() - (now_us - to_us);
+  }
+  std::int64_t talk(double seconds) {
+    std::int64_t worst_us = 0;
+    for (const auto end_us = now_us + static_cast<std::int64_t>(1e6 * seconds); now_us < end_us;
+         now_us += 50'000) {
+      const std::int64_t sent_us = now_us - to_us;
+      clock.heard(theirs(sent_us), now_us);
+      if (now_us % 1'000'000 == 0) {
+        clock.answered(sent_us - fro_us, theirs(sent_us), now_us);
+      }
+      if (clock.was_answered()) worst_us = std::max(worst_us, missing_us());
+    }
+    return worst_us;
+  }
+  void set_ahead(std::int64_t by_us) {
+    const std::int64_t before_us = theirs(now_us);
+    set_us = now_us;
+    ahead_us = 0;
+    ahead_us = before_us + by_us - theirs(now_us);
+    now_us += to_us;
+  }
+};
+
+TEST_CASE("late messages are as old as before when their clock is set ahead, in one step or two") {
+  for (const auto& [to_us, fro_us, step_us] :
+       {std::array{1'900'000L, 100'000L, 1'900'000L}, std::array{1'900'000L, 100'000L, 900'000L},
+        std::array{5'000'000L, 5'000'000L, 9'900'000L},
+        std::array{3'000'000L, 50'000L, 3'000'000L}}) {
+    Late late{to_us, fro_us};
+    CHECK(late.talk(20) <= 1000);
+    for (int step = 0; step < 2; ++step) {
+      late.set_ahead(step_us);
+      CHECK(late.talk(20) <= 1000);
+      CHECK(late.clock.was_answered());
+    }
+  }
+}
+
+TEST_CASE("late messages are as old as before while their clock runs fast") {
+  for (const auto& [drift, fro_us] :
+       {std::pair{0.01, 1'200'000L}, std::pair{0.001, 100'000L}, std::pair{0.01, 0L}}) {
+    Late late{1'200'000, fro_us, drift};
+    CHECK(late.talk(600) <= 1000);
+    CHECK(late.clock.was_answered());
+  }
+}
+
+TEST_CASE("a clock that is set back and ahead again is known after 32 answers") {
+  Late late{1'900'000, 100'000};
+  late.talk(40);
+  late.set_ahead(-1'900'000);
+  late.talk(40);
+  late.set_ahead(1'900'000);
+  late.talk(33);
+  CHECK(late.missing_us() <= 1000);
+  CHECK(late.clock.was_answered());
+}
+
+TEST_CASE("messages that become quick need no new answer to be known as well as before") {
+  Late late{1'900'000, 100'000};
+  late.talk(5);
+  late.to_us = 100'000;
+  late.clock.heard(late.theirs(late.now_us - late.to_us), late.now_us);
+  CHECK(late.clock.was_answered());
 }
 
 }  // namespace
