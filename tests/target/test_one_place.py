@@ -219,7 +219,7 @@ def test_a_unit_that_restarts_somewhere_else_jumps() -> None:
     sea = at_sea({"FS_LEADER_ACT": 0})
     sea.leader.on = False
     sea.run(1.5)
-    sea.leader.clock_offset_us -= 5_000_000
+    sea.leader.clock_offset_us = -sea.now_us
     sea.leader.course = replace(sea.leader.course, north=sea.leader.course.north + OFF_M)
     sea.leader.on = True
     jumps = 0

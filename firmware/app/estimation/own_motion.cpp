@@ -45,9 +45,9 @@ void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::i
     stranger_ = stranger_ || (!named_link_ && tells_place(received.message));
     return;
   }
-  const std::uint8_t unit = track_.unit();
+  const std::uint8_t resets = track_.clock_resets();
   track_.take(received, now_us, counters);
-  if (track_.unit() != unit) latency_.forget();
+  if (track_.clock_resets() != resets) latency_.forget();
   if (track_.accepted(now_us)) link_ = static_cast<std::uint8_t>(link);
   if (!track_.is_from_unit(received.from)) return;
   quality_.take(received, limits_, now_us);

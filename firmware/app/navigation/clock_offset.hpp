@@ -17,6 +17,12 @@
 
 namespace flotilla::app {
 
+/// Whether a sender whose stamps have gone back began anew: it was started during the silence before
+/// them, or its clock was set back by more than a minute. Otherwise they are late.
+constexpr bool is_restart(std::int64_t stamp_us, std::int64_t last_us, std::int64_t silent_us) {
+  return stamp_us <= silent_us || last_us - stamp_us > 60'000'000;
+}
+
 class ClockOffset {
  public:
   /// A message stamped by their clock has arrived.

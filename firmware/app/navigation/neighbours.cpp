@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "app/convert/portable.hpp"
+#include "app/navigation/clock_offset.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -165,7 +166,7 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
 }
 
 /// Dates a state; true if it is the newest, and young enough. An earlier stamp belongs to an
-/// overtaken message or, if no other state came for 3 s, to a clock that was restarted.
+/// overtaken message or, if no other state came for 3 s, perhaps to a clock that was restarted.
 bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
   if (vessel.id > kLastSystem) {  // stamped by our clock
     if (vessel.dated && stamp_us < vessel.true_us) return false;
@@ -174,18 +175,19 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
     return true;
   }
   if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
-  const std::int64_t since_us = stamp_us + vessel.ahead_us - vessel.true_us;
-  const std::int64_t arrived_us = now_us - stamp_us;
-  if (!vessel.dated || (since_us <= 0 && now_us - vessel.true_us > kForgotten_us)) {
+  const std::int64_t last_us = vessel.true_us - vessel.ahead_us;
+  const std::int64_t arrived_us = now_us - stamp_us, silent_us = now_us - vessel.true_us;
+  const bool restarted = silent_us > kForgotten_us && is_restart(stamp_us, last_us, silent_us);
+  if (!vessel.dated || restarted) {
     vessel.ahead_us = arrived_us;
-  } else if (since_us < 0) {
-    return false;
   } else {
-    const std::int64_t ahead_us = std::min(vessel.ahead_us + since_us / kDrift, arrived_us);
+    const std::int64_t ahead_us =
+        std::min(vessel.ahead_us + (stamp_us - last_us) / kDrift, arrived_us);
     if (arrived_us - ahead_us > kForgotten_us) {
       vessel.late_us = late_us_ = now_us;
       return false;
     }
+    if (stamp_us < last_us) return false;
     vessel.ahead_us = ahead_us;
   }
   vessel.dated = true;

@@ -40,9 +40,12 @@ std::optional<SenderClocks::Stamp> SenderClocks::heard(link::Address from, std::
   }
   stamp_us = convert::unwrapped_us(stamp_us, sender->stamp_us);
   // A clock that was restarted tells nothing newer meanwhile.
-  const bool overtaken = stamp_us < sender->stamp_us && now_us - sender->arrived_us < kReboot_us;
+  const std::int64_t silent_us = now_us - sender->arrived_us;
+  const bool back = stamp_us < sender->stamp_us;
+  const bool overtaken =
+      back && (silent_us < kReboot_us || !is_restart(stamp_us, sender->stamp_us, silent_us));
   if (!overtaken) {
-    if (stamp_us < sender->stamp_us - kReboot_us) sender->clock.reset();
+    if (back) sender->clock.reset();
     sender->rank = rank;
     sender->stamp_us = stamp_us;
     sender->arrived_us = now_us;

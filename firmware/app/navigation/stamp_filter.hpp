@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <optional>
 
+#include "app/navigation/clock_offset.hpp"
+
 namespace flotilla::app {
 
 class StampFilter {
@@ -15,13 +17,14 @@ class StampFilter {
     kSet,        ///< newer, but more than 1 s off the time that has passed: the clock was set
     kWrapped,    ///< 10 min too new: a 32-bit clock that restarts appears to leap ahead
     kLate,       ///< not newer
-    kRestarted,  ///< not newer, but nothing newer has come for 1 s while the old stamps advance
+    kRestarted,  ///< not newer, but old stamps advance, as only those of a restarted clock can
   };
 
   Verdict judge(std::int64_t stamp_us, std::int64_t now_us) const {
     if (!last_us_) return Verdict::kNext;
     if (stamp_us <= *last_us_) {
-      const bool restarted = silent(now_us) && advances(stamp_us) && stamp_us != *last_us_;
+      const bool restarted = silent(now_us) && advances(stamp_us) && stamp_us != *last_us_ &&
+                             is_restart(stamp_us, *last_us_, now_us - arrived_us_);
       return restarted ? Verdict::kRestarted : Verdict::kLate;
     }
     const std::int64_t off_us = stamp_us - *last_us_ - (now_us - arrived_us_);

@@ -58,6 +58,7 @@ bool StateSources::better(Source source, std::int64_t now_us, bool origin_known)
 void StateSources::change_to(std::uint8_t component) {
   component_ = component;
   heard_ = {};
+  ++clock_resets_;
   odometry_resets_.reset();
 }
 

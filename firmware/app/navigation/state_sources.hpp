@@ -51,7 +51,12 @@ class StateSources {
   void note_resets(std::uint8_t resets) { odometry_resets_ = resets; }
 
   /// The clock of the source in use was set, or restarted with the vessel at this stamp.
-  void reset_clock() { clock().reset(); }
+  void reset_clock() {
+    clock().reset();
+    ++clock_resets_;
+  }
+  /// How often the clock of the source in use, or its component, has changed; wraps.
+  std::uint8_t clock_resets() const { return clock_resets_; }
   void reboot(std::int64_t stamp_us);
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
@@ -74,6 +79,7 @@ class StateSources {
 
   std::int64_t patience_us_;
   std::uint8_t component_ = 0;
+  std::uint8_t clock_resets_ = 0;
   Source in_use_ = Source::kGlobalPosition;
   std::array<Heard, kSources> heard_{};
   std::optional<std::uint8_t> odometry_resets_;  ///< of the last state accepted

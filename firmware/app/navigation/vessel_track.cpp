@@ -248,12 +248,13 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
     return;
   }
   if (jump == Jump::kMoved) {
-    stamp == Stamp::kNext ? moved() : clock_set();
+    moved();
   } else if (stamp == Stamp::kWrapped) {
     rebooted(stamp_us);
   }
-  // If TIMESYNC confirms the clock, the messages were merely overtaken.
-  if (stamps_.regularly_late() && !bounded()) sources_.reset_clock();
+  // The clock of a unit with one link was set back, unless TIMESYNC contradicts. The states of
+  // another vessel may have been overtaken on a faster link that is silent now.
+  if (identity_.keeps && stamps_.regularly_late() && !bounded()) sources_.reset_clock();
   const bool moves = reframed_ && !state.sample.at;  // an anchor stays
   if (far || moves || !origins_.is_of_kind(state.sample)) {
     reframed_ = true;

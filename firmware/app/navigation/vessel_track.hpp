@@ -60,8 +60,8 @@ class VesselTrack {
   bool is_from_unit(link::Address from) const {
     return mine(from) && from.component == component();
   }
-  /// The component whose states are accepted; 0: none yet.
-  std::uint8_t unit() const { return component(); }
+  /// Changes whenever the latency of the states may have changed unseen.
+  std::uint8_t clock_resets() const { return sources_.clock_resets(); }
   bool silent(std::int64_t now_us) const { return stamps_.silent(now_us); }
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
@@ -214,7 +214,6 @@ class VesselTrack {
   void origin_changed() { reframed_ = true; }
   /// Another plane and clock apply; the last position remains the vessel's.
   void other_sender() { stamps_.forget(), reframed_ = true; }
-  void clock_set() { motion_ended(), sources_.reset_clock(); }
   void estimator_reset() { motion_ended(); }
   void moved() { motion_ended(); }  ///< a jump was accepted
   /// No motion leads to the next state, which is accepted without comparison.

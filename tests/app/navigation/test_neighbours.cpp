@@ -148,12 +148,37 @@ TEST_CASE("a message that was overtaken moves nobody back") {
 }
 
 TEST_CASE("a clock that begins anew, or is set, hides its vessel for three seconds at most") {
-  for (const std::int64_t ahead_us : {-5 * kSecond_us, 90 * kSecond_us, 4000 * kSecond_us}) {
+  for (const std::int64_t ahead_us : {-5 * kSecond_us, 35 * kSecond_us, 4000 * kSecond_us}) {
     Sailing w;
     w.sail(5 * kSecond_us, 10 * kSecond_us, 0);
     w.ahead_us = ahead_us;
     w.sail(10 * kSecond_us, 14 * kSecond_us, 0);
     CHECK(w.off_m(14 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+  }
+}
+
+TEST_CASE("a vessel that was started while it was silent is heard again") {
+  Sailing w;
+  w.ahead_us = 20 * kSecond_us;
+  w.sail(5 * kSecond_us, 10 * kSecond_us, 0);
+  w.ahead_us = -14 * kSecond_us;
+  w.sail(15 * kSecond_us, 16 * kSecond_us, 0);
+  CHECK(w.off_m(16 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+}
+
+TEST_CASE(
+    "where a quick link is lost, the states of a slow one are late, not of a restarted clock") {
+  for (const std::int64_t late_us : {2 * kSecond_us, 6 * kSecond_us, 50 * kSecond_us}) {
+    Sailing w;
+    w.ahead_us = 1000 * kSecond_us;
+    for (std::int64_t us = 0; us < 120 * kSecond_us; us += 100'000) {
+      if (us < 60 * kSecond_us) w.tell(us, us);
+      if (us >= late_us) w.tell(us - late_us, us);
+    }
+    const bool counts = late_us < 3 * kSecond_us;
+    CHECK(w.look(120 * kSecond_us).count == (counts ? 1 : 0));
+    CHECK(w.neighbours.late(120 * kSecond_us).has_value() != counts);
+    if (counts) CHECK(w.off_m(120 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
   }
 }
 

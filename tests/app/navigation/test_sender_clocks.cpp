@@ -9,6 +9,7 @@ namespace flotilla::app {
 namespace {
 
 constexpr link::Address kMaker{1, 1};
+constexpr std::int64_t kHour_us = 3'600'000'000;
 
 /// Their clock is that far ahead of ours; messages take delay_us each way.
 struct Sender {
@@ -86,6 +87,18 @@ TEST_CASE("a message that comes after a later one, by a slower link, is known to
     REQUIRE(copy);
     CHECK(copy->overtaken);
     CHECK(copy->us <= us - 1'600'000);
+  }
+}
+
+TEST_CASE("where the quick link is lost, the messages of the slow one stay as old as they are") {
+  SenderClocks clocks;
+  clocks.set_lag(0);
+  const Sender fast{kMaker, kHour_us, 0}, slow{kMaker, kHour_us, 6'000'000};
+  for (std::int64_t us = 10'000'000; us < 40'000'000; us += 100'000) {
+    if (us < 15'000'000) fast.speak(clocks, us);
+    const auto copy = slow.speak(clocks, us - 6'000'000);
+    REQUIRE(copy);
+    REQUIRE((copy->overtaken || copy->us <= us - 5'980'000));
   }
 }
 

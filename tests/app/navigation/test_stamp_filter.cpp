@@ -54,6 +54,23 @@ TEST_CASE("a vessel has rebooted when old stamps advance and nothing newer came 
   CHECK(filter.judge(1'100'000, 2'100'000) == Verdict::kRestarted);
 }
 
+TEST_CASE("old stamps are late, not of a reboot, unless booted since or set back over a minute") {
+  const auto judged = [](std::int64_t back_us, std::int64_t silent_us) {
+    StampFilter filter = after_an_hour();
+    const std::int64_t stamp_us = kHour_us + silent_us - back_us;
+    filter.refuse(stamp_us - kPeriod_us);
+    return filter.judge(stamp_us, 1'000'000 + silent_us);
+  };
+  CHECK(judged(6'000'000, 2'000'000) == Verdict::kLate);
+  CHECK(judged(59'000'000, 50'000'000) == Verdict::kLate);
+  CHECK(judged(63'000'000, 2'000'000) == Verdict::kRestarted);
+  StampFilter young;
+  young.accept(9'000'000, 0, 10'000'000);
+  young.refuse(1'000'000);
+  CHECK(young.judge(1'100'000, 11'050'000) == Verdict::kLate);
+  CHECK(young.judge(1'100'000, 11'100'000) == Verdict::kRestarted);
+}
+
 TEST_CASE("the first old stamp is no reboot, however long the vessel was silent") {
   CHECK(after_an_hour().judge(5, kHour_us) == Verdict::kLate);
 }

@@ -119,6 +119,42 @@ TEST_CASE_TEMPLATE("a vessel that rebooted is believed again after a second", S,
   CHECK(std::isfinite(double(w.track.motion(believed + 100'000).moved_n.x)));
 }
 
+TEST_CASE_TEMPLATE("where a quick link is lost, the states of a slow one stay as old as they are",
+                   S, float, double) {
+  Watch<S> w;
+  w.track.set_lag(0);
+  const std::uint8_t resets = w.track.clock_resets();
+  const auto said = [](std::int64_t t) { return at(kHour_us + t, 2e-6F * float(t)); };
+  for (std::int64_t t = 0; t < 40'000'000; t += 100'000) {
+    if (t < 10'000'000) w.hear(said(t), t);
+    if (t >= 6'000'000) w.hear(said(t - 6'000'000), t);
+    if (t >= 12'000'000) REQUIRE_FALSE(w.track.fresh(t, 2'000'000));
+    if (t >= 17'000'000) REQUIRE(w.track.age_us(t) >= 5'980'000);
+  }
+  CHECK(w.track.clock_resets() == resets + 1);  // by the first state
+}
+
+TEST_CASE_TEMPLATE("after a reboot of the vessel its latency may be another", S, float, double) {
+  Watch<S> w;
+  for (std::int64_t t = 0; t < 2'000'000; t += 100'000) w.hear(at(9 * kHour_us + t, 1), t);
+  const std::uint8_t resets = w.track.clock_resets();
+  for (std::int64_t t = 3'000'000; t < 5'000'000; t += 100'000) w.hear(at(t - 2'500'000, 1), t);
+  CHECK(w.track.clock_resets() != resets);
+}
+
+TEST_CASE_TEMPLATE(
+    "a unit whose clock is set back by seconds is believed again when that has passed", S, float,
+    double) {
+  Watch<S> w{VesselTrack<S>{typename VesselTrack<S>::Identity{5, 0, 300'000, 300'000, true}}, {}};
+  w.track.set_lag(0);
+  for (std::int64_t t = 0; t < 5'000'000; t += 100'000)
+    w.hear(at(kHour_us + t, 2e-6F * float(t)), t);
+  for (std::int64_t t = 5'000'000; t < 12'000'000; t += 100'000) {
+    w.hear(at(kHour_us + t - 4'000'000, 2e-6F * float(t)), t);
+  }
+  CHECK(w.track.fresh(12'000'000, kLimit_us));
+}
+
 TEST_CASE_TEMPLATE("one stamp from the far future costs two seconds at most", S, float, double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 10'000'000; t += 100'000) {
