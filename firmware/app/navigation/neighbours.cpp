@@ -10,7 +10,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::int64_t kForgotten_us = 3'000'000, kShipForgotten_us = 30'000'000;
+constexpr std::int64_t kShipForgotten_us = 30'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
 constexpr std::uint32_t kLastSystem = 255;
@@ -154,7 +154,11 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   const core::Vec2<S>& apart_n = controller_input.separation_n;
   const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
   Vessel* vessel = place_for(id, apart_m, own, now_us);
-  if (vessel == nullptr || !date(*vessel, seen.stamp_us, now_us)) return nullptr;
+  if (vessel == nullptr) return nullptr;
+  if (!date(*vessel, seen.stamp_us, now_us)) {
+    if (apart_m < double{least_m_}) refused_near_us_ = now_us;
+    return nullptr;
+  }
   const auto v_n =
       core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   vessel->located = true;
@@ -185,6 +189,7 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
         std::min(vessel.ahead_us + (stamp_us - last_us) / kDrift, arrived_us);
     if (arrived_us - ahead_us > kForgotten_us) {
       vessel.late_us = late_us_ = now_us;
+      late_ = static_cast<std::uint8_t>(vessel.id);
       return false;
     }
     if (stamp_us < last_us) return false;
@@ -238,15 +243,6 @@ Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
   place->id = id;
   place->true_us = now_us;
   return place;
-}
-
-std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
-  if (now_us - late_us_ > kForgotten_us) return std::nullopt;
-  for (const Vessel& v : vessels_) {
-    if (now_us - v.true_us <= kForgotten_us || now_us - v.late_us > kForgotten_us) continue;
-    return static_cast<std::uint8_t>(v.id);
-  }
-  return std::nullopt;
 }
 
 std::int64_t Neighbours::patience_us(const Vessel& vessel) {
@@ -306,6 +302,7 @@ template <class S>
 bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_n,
                        std::int64_t now_us) const {
   if (!watches() || !same(own.origin, frame_)) return true;
+  if (now_us - refused_near_us_ < kForgotten_us) return false;
   return std::ranges::none_of(tracked(), [&](const Vessel& v) {
     return counts(v, now_us) && core::length(seen(v, own, moved_n, now_us).p_n) <
                                     convert::scalar<S>(least_m_ + v.reach_m);

@@ -50,18 +50,22 @@ class Neighbours {
   core::Traffic<S> traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                            std::int64_t now_us) const;
 
-  /// None of them is nearer than FS_SEP_M.
+  /// None of them is nearer than FS_SEP_M, and neither was any state refused as late in the last 3 s:
+  /// another vessel with the same system id may have sent it.
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
-  /// System id of a vessel that is not tracked, because its messages come more than three seconds
-  /// late: too old for keeping apart. Nothing is known of silent vessels.
-  std::optional<std::uint8_t> late(std::int64_t now_us) const;
+  /// System id of a vessel whose messages, some or all, come more than three seconds late: too old
+  /// for keeping apart.
+  std::optional<std::uint8_t> late(std::int64_t now_us) const {
+    return now_us - late_us_ < kForgotten_us ? std::optional(late_) : std::nullopt;
+  }
 
   /// Links of the tree to us from a virtual leader, or from a leader that sends no depth.
   std::uint8_t depth() const;
 
  private:
+  static constexpr std::int64_t kForgotten_us = 3'000'000;
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   struct Vessel {
     std::uint32_t id = 0;  ///< system id, or MMSI, which is greater; 0: a free entry
@@ -122,6 +126,8 @@ class Neighbours {
   std::optional<std::uint8_t> leader_depth_;
   link::GpsGlobalOrigin frame_{};  // of all places
   std::int64_t late_us_ = kNever;  // the latest late_us of all
+  std::int64_t refused_near_us_ = kNever;
+  std::uint8_t late_ = 0;  // whose it is
   std::array<Vessel, core::kMaxVessels> vessels_{};
   std::array<LocalFrame, 2 * core::kMaxVessels> local_frames_{};
   std::size_t last_frame_ = 0;                 // entered last

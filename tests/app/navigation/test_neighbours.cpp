@@ -114,9 +114,9 @@ TEST_CASE("a state that is five seconds late is none: its vessel is forgotten, n
   w.sail(15 * kSecond_us, 60 * kSecond_us, 5 * kSecond_us);
   CHECK(w.look(60 * kSecond_us).count == 0);
   CHECK(w.neighbours.late(60 * kSecond_us) == 5);
-  CHECK_FALSE(w.neighbours.late(63 * kSecond_us));  // silent
   w.tell(60 * kSecond_us, 60 * kSecond_us);
-  CHECK_FALSE(w.neighbours.late(60 * kSecond_us));
+  CHECK(w.neighbours.late(60 * kSecond_us) == 5);  // another one of its id may be the late one
+  CHECK_FALSE(w.neighbours.late(63 * kSecond_us));
   CHECK(w.off_m(60 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
 }
 
@@ -494,6 +494,30 @@ TEST_CASE("clear is when nobody is nearer than FS_SEP_M; without it nobody is lo
     CHECK(w.neighbours.clear(w.own, core::Vec2<float>{}, 0) == (least_m < 20));
     CHECK(w.look().count == (least_m > 0 ? 1 : 0));
   }
+}
+
+TEST_CASE("a vessel alongside is not clear of us although one with its system id is far away") {
+  Watch w;
+  w.hear(5, beat());
+  const auto tell = [&](double north_m, std::int64_t stamp_us, std::int64_t now_us) {
+    link::GlobalPositionInt m = at(north_m, 0);
+    m.time_boot_ms = static_cast<std::uint32_t>(stamp_us / 1000);
+    w.hear(5, m, now_us);
+  };
+  const auto clear = [&](std::int64_t now_us) {
+    return w.neighbours.clear(w.own, core::Vec2<float>{}, now_us);
+  };
+  for (std::int64_t us = 0; us < 10 * kSecond_us; us += 200'000) {
+    tell(-200, us + 100 * kSecond_us, us);
+    if (us < 2 * kSecond_us) {
+      CHECK(clear(us));
+    } else {
+      tell(-0.5, us + 40 * kSecond_us, us + 100'000);
+      CHECK_FALSE(clear(us + 100'000));
+    }
+  }
+  CHECK(w.neighbours.late(10 * kSecond_us) == 5);
+  CHECK(clear(13 * kSecond_us));
 }
 
 }  // namespace
