@@ -172,6 +172,7 @@ class Vehicle {
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_jump(DecodedCommand& asked);
   std::uint8_t answer_of_plan(DecodedCommand& asked);
+  void judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
   std::uint8_t answer_of_fence(DecodedCommand& asked);
@@ -221,6 +222,12 @@ class Vehicle {
   ParameterService parameter_service_;
   MissionService missions_;
   LogService logs_;
+  struct Stop {
+    std::int64_t us = 0;
+    link::Address by{};
+    std::uint8_t links = 0;  ///< it came on, by bits; 0: none yet
+  };
+  Stop stop_;  // an operator's last one
   bool paused_ = false;
   std::optional<Target> target_;
   std::optional<core::Drive<double>> drive_;  // in GUIDED

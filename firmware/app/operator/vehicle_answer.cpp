@@ -209,6 +209,22 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
   return mav::kAccepted;
 }
 
+/// A request whose first copy was lost may arrive after a newer stop: on a slower link, or sent
+/// again after another operator's stop. The microcontroller's image has no room for this rule.
+void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked) {
+  if (FLOTILLA_KEEPS_FLEET == 0 || asked.request == Request::kNone) return;
+  const auto link = static_cast<std::uint8_t>(1U << pending.link);
+  const bool others = pending.from != stop_.by;
+  const bool recent = stop_.links != 0 && now_us_ - stop_.us < 5 * kSecond_us;
+  if (!drives(asked.request)) {
+    const auto links = static_cast<std::uint8_t>(others || !recent ? link : stop_.links | link);
+    stop_ = {now_us_, pending.from, links};
+  } else if (recent && ((stop_.links & link) == 0 || (others && repeated))) {
+    asked = {mav::kTemporarilyRejected};
+    asked.why = "another stopped the boat: ask again in 5 s";
+  }
+}
+
 void Vehicle::execute(const PendingRequest& pending, const Command& command,
                       link::Counters& counters) {
   const std::size_t link = pending.link;
@@ -229,6 +245,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked = {mav::kDenied};
     asked.why = "mode 6 after setpoints is OFFBOARD";
   }
+  judge_order(pending, command.repeated, asked);
   if (asked.target) judge_target(asked);
   Supervisor::Decision decision{true, false, 0};
   if (asked.request == Request::kArm) warn_of_signing(counters);

@@ -48,6 +48,55 @@ TEST_CASE("where one ground station commands, no other does; all may read and st
   CHECK(s.state() == State::kDisarmed);
 }
 
+/// Asks for a mode by a command, first sent or sent again.
+void ask_mode(Ship& s, link::MavlinkEncoder& who, float mode, std::size_t link,
+              std::uint8_t confirmation = 0) {
+  s.hear(who, link::CommandLong{mav::kCmdDoSetMode, {1, mode, 0, 0, 0, 0, 0}, {1, 1}, confirmation},
+         link);
+  s.tick();
+}
+
+TEST_CASE("a request that comes on a slower link after a newer HOLD does not undo it") {
+  Ship s;
+  s.bring_to(State::kFormation);
+  ask_mode(s, s.operator_, 4, 0);
+  s.pass(4);
+  ask_mode(s, s.operator_, 6, 1);
+  CHECK(s.state() == State::kHold);
+  REQUIRE(s.all<link::CommandAck>(1).size() == 1);
+  CHECK(s.all<link::CommandAck>(1)[0].result == mav::kTemporarilyRejected);
+  CHECK(s.says("ask again"));
+  ask_mode(s, s.operator_, 6, 0);  // the link of the HOLD
+  CHECK(s.state() == State::kFormation);
+  ask_mode(s, s.operator_, 4, 0);
+  s.pass(5);
+  ask_mode(s, s.operator_, 6, 1);
+  CHECK(s.state() == State::kFormation);
+}
+
+TEST_CASE("who sends a HOLD on two links may undo it on either") {
+  Ship s;
+  s.bring_to(State::kFormation);
+  ask_mode(s, s.operator_, 4, 0);
+  ask_mode(s, s.operator_, 4, 1);
+  ask_mode(s, s.operator_, 6, 0);
+  CHECK(s.state() == State::kFormation);
+}
+
+TEST_CASE(
+    "a request that is sent again does not undo another operator's newer HOLD, but one's own") {
+  Ship s;
+  s.bring_to(State::kFormation);
+  ask_mode(s, s.stranger, 4, 0);
+  ask_mode(s, s.operator_, 6, 0, 1);
+  CHECK(s.state() == State::kHold);
+  ask_mode(s, s.operator_, 6, 0);
+  CHECK(s.state() == State::kFormation);
+  ask_mode(s, s.operator_, 4, 0);
+  ask_mode(s, s.operator_, 6, 0, 1);
+  CHECK(s.state() == State::kFormation);
+}
+
 TEST_CASE("what is meant for others is neither done nor answered") {
   Ship s;
   s.tick();
