@@ -249,6 +249,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   }
   if (jump == Jump::kMoved) {
     moved();
+    if (stamp != Stamp::kNext) sources_.reset_clock();  // late states would not have jumped
   } else if (stamp == Stamp::kWrapped) {
     rebooted(stamp_us);
   }
