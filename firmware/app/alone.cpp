@@ -28,7 +28,7 @@ core::ControllerOutput<S> Alone<S>::sail(const Now& now, S dt) {
   if (now.state == core::State::kAuto) return sail_plan(now, dt);
   if (now.state == core::State::kGuided) return sail_guided(now, dt);
   keep_fence(now);
-  return pilot_.sail(errands_.plan(), vehicle_.is_paused(), now.now_us, dt);
+  return pilot_.sail(errands_.plan(), vehicle_.orders().is_paused(), now.now_us, dt);
 }
 
 template <class S>
@@ -50,7 +50,7 @@ void Alone<S>::start_plan() {
 template <class S>
 void Alone<S>::start_errand(const Now& now) {
   voyage_.interrupt();
-  const std::optional<Target> asked = vehicle_.take_target();
+  const std::optional<Target> asked = vehicle_.orders().take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
   if (now.state == core::State::kReturn) return sail_back(here);
@@ -120,14 +120,14 @@ void Alone<S>::tell_way() {
 
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
-  const auto drive = vehicle_.drive(now.now_us);
-  const std::optional<Target>& target = vehicle_.target();
+  const auto drive = vehicle_.orders().drive(now.now_us);
+  const std::optional<Target>& target = vehicle_.orders().target();
   // A target that is only repeated must not make the vessel that the boat follows start anew.
-  if (target && !driven_ && errands_.leads_to(*target)) vehicle_.take_target();
+  if (target && !driven_ && errands_.leads_to(*target)) vehicle_.orders().take_target();
   if (target || (driven_ && !drive)) start_errand(now);
   driven_ = drive.has_value();
   if (!drive) keep_fence(now);
-  const bool paused = vehicle_.is_paused();
+  const bool paused = vehicle_.orders().is_paused();
   return drive ? pilot_.drive(convert::drive_of<S>(*drive), paused, now.now_us, dt)
                : pilot_.sail(errands_.plan(), paused, now.now_us, dt);
 }
@@ -162,7 +162,7 @@ core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
   // move astern.
   const auto late = now.shape_moves ? std::nullopt : pilot_.reports().late(now.now_us);
   warnings_.tell_waiting(late);
-  return pilot_.sail(missions.plan(), vehicle_.is_paused() || late, now.now_us, dt);
+  return pilot_.sail(missions.plan(), vehicle_.orders().is_paused() || late, now.now_us, dt);
 }
 
 template <class S>
@@ -173,13 +173,13 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
     const auto& [plan, failsafes] = std::tie(configuration().plan, configuration().failsafes);
     voyage_.look(pilot_, {missions.fence(), plan.margin_m, home(), failsafes.fence_m}, now.now_us);
   }
-  const bool waits = vehicle_.is_paused() || (now.conditions & core::kClear) == 0;
+  const bool waits = vehicle_.orders().is_paused() || (now.conditions & core::kClear) == 0;
   core::ControllerOutput<S> out;
   out.allocation.thrust = voyage_.forward(pilot_, {centre.x, centre.y}, waits, now.now_us, dt);
   if (const auto news = voyage_.take_news()) {
     const bool lost = news->kind == VoyageNews::Kind::kLost;
-    vehicle_.send_statustext(lost ? link::mav::kSeverityError : link::mav::kSeverityInfo,
-                             {sentence_of(*news).text()}, counters_);
+    vehicle_.texts().send(lost ? link::mav::kSeverityError : link::mav::kSeverityInfo,
+                          {sentence_of(*news).text()}, counters_);
   }
   if (voyage_.is_over()) start_plan();
   return out;

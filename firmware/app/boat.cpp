@@ -191,11 +191,11 @@ void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
   if (was == core::State::kDisarmed && core::armed(state()) && !pilot_.own_quality().told() &&
       (conditions_ & core::kOwnFresh) != 0) {
-    vehicle_.send_statustext(link::mav::kSeverityInfo,
-                             {"navigation quality not reported: not checked"}, counters_);
+    vehicle_.texts().send(link::mav::kSeverityInfo,
+                          {"navigation quality not reported: not checked"}, counters_);
   }
   // Discard a target that precedes another request.
-  if (state() != core::State::kGuided) vehicle_.take_target();
+  if (state() != core::State::kGuided) vehicle_.orders().take_target();
   if (was == state()) return;
   if (core::sails_alone(was)) pilot_.end_plan();
   if (core::sails_alone(state())) alone_.start({state(), conditions_, now_us});
@@ -372,14 +372,14 @@ void Boat<S>::tell(std::int64_t now_us) {
   if ((conditions_ & core::kOwnFresh) != 0 && pilot_.located()) vehicle_.locate(pilot_.origin());
   if (vehicle_.tells_report()) vehicle_.report(report_of(parts_, now_us));
   vehicle_.tell(counters_);
-  if (vehicle_.waits_for_future(pilot_.future_news())) {
-    vehicle_.tell_future(pilot_.future_news(), pilot_.future(now_us), counters_);
+  if (vehicle_.sender().waits_for_future(pilot_.future_news())) {
+    vehicle_.sender().send_future(pilot_.future_news(), pilot_.future(now_us), counters_);
   }
   fleet_.tell(now_us);
   const std::uint32_t news = pilot_.reference_news();
-  if (!vehicle_.waits_for_reference(news)) return;
+  if (!vehicle_.sender().waits_for_reference(news)) return;
   if (const auto reference = reference_of(parts_, now_us)) {
-    vehicle_.tell_reference(news, *reference, counters_);
+    vehicle_.sender().send_reference(news, *reference, counters_);
   }
 }
 

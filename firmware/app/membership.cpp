@@ -20,7 +20,7 @@ FleetOrder Membership::order(core::State state, core::Conditions conditions, std
   const Configuration& configuration = vehicle_.configuration();
   const auto item = static_cast<std::uint16_t>(missions.current());
   const bool fit = (conditions & core::kLoiterBegins) == core::kLoiterBegins;
-  const std::uint32_t plan_id = vehicle_.is_paused() ? 0 : missions.id(Stored::kPlan);
+  const std::uint32_t plan_id = vehicle_.orders().is_paused() ? 0 : missions.id(Stored::kPlan);
   return fleet().step({vehicle_.self().system, state, fit, {plan_id, item}},
                       configuration.formation, configuration.navigation.leader_limit_us, now_us);
 }
@@ -65,11 +65,10 @@ void Membership::tell(std::int64_t now_us) {
   if (const auto epoch = fleet().take_epoch()) {
     Sentence text;
     text << "fleet table " << static_cast<float>(*epoch) << " is in force";
-    vehicle_.send_statustext(link::mav::kSeverityInfo, {text.text()}, counters_);
+    vehicle_.texts().send(link::mav::kSeverityInfo, {text.text()}, counters_);
   }
   if (const auto refused = fleet().take_refusal()) {
-    vehicle_.send_statustext(link::mav::kSeverityWarning, {sentence_of(*refused).text()},
-                             counters_);
+    vehicle_.texts().send(link::mav::kSeverityWarning, {sentence_of(*refused).text()}, counters_);
   }
 }
 

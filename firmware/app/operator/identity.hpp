@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <utility>
 
 #include "app/parameters/configuration.hpp"
 #include "link/mavlink/messages.hpp"
@@ -48,6 +50,16 @@ class Identity {
     if (!first_us_) first_us_ = now_us;
   }
 
+  /// Another sender has used our ids.
+  void heard_twice(std::int64_t now_us) {
+    doubled_ = true;
+    doubled_us_ = now_us;
+  }
+  /// It has done so within the last ten seconds.
+  bool doubled(std::int64_t now_us) const { return now_us - doubled_us_ < 10'000'000; }
+  /// It has done so since the last call.
+  bool take_doubled() { return std::exchange(doubled_, false); }
+
   /// Whether the system id has just changed.
   bool latch(bool armed, std::int64_t now_us) {
     if (latched_ || !first_us_ || now_us - *first_us_ < kListen_us) return false;
@@ -70,8 +82,10 @@ class Identity {
   bool companion_, ardupilot_;
   bool latched_ = false;
   bool several_ = false;
+  bool doubled_ = false;
   std::uint8_t autopilot_ = 0;
   std::optional<std::int64_t> first_us_;
+  std::int64_t doubled_us_ = std::numeric_limits<std::int64_t>::min() / 2;
 };
 
 }  // namespace flotilla::app

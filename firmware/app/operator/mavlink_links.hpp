@@ -39,6 +39,8 @@ constexpr std::optional<SigningPolicy> signing_policy(std::string_view name) {
 
 /// One link's output in a tick. Hosts with datagrams cut it between messages.
 using Datagram = std::array<std::uint8_t, 1400>;
+/// Bytes of it to keep free for heartbeat and state.
+constexpr std::size_t kOwnRoom = 250;
 
 class MavlinkLinks {
  public:

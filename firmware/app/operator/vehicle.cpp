@@ -17,10 +17,8 @@ namespace mav = link::mav;
 using core::Request;
 using core::State;
 
-// Bytes of a tick's 1400 to keep free: kOwnRoom for heartbeat and state, kKeptRoom also for 24
-// answers.
-constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;
-constexpr std::size_t kSentenceRoom = 200;  // a sentence of two chunks
+// Bytes of a tick's 1400 to keep free for heartbeat, state and 24 answers.
+constexpr std::size_t kKeptRoom = 1000;
 
 /// The request in a message that the next tick must answer, if there is one.
 struct RequestOf {
@@ -65,23 +63,16 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       configuration_(configuration_of(p)),
       identity_(configuration_.start),
       links_(links),
-      time_(time),
       router_(storage.routes.first(links.count())),
       parameter_service_(storage.parameters.first(links.count())),
       missions_(storage.missions, configuration_.start.ardupilot),
       logs_(storage.logs, configuration_.start.ardupilot),
       ftp_(metadata_files()),
-      streams_(configuration_, storage.streams.first(links.count())),
-      heartbeat_due_(kSecond_us, configuration_.start.tick_us / 2),
-      timesync_due_(kSecond_us, configuration_.start.tick_us / 2),
-      separation_due_(kSecond_us, configuration_.start.tick_us / 2),
-      arm_refusal_due_(kSecond_us / 2),
-      refusal_due_(kSecond_us / 2),
-      stop_due_(10 * kSecond_us),
-      parameter_refusal_due_(kSecond_us / 2),
-      double_due_(10 * kSecond_us),
-      ignored_due_(10 * kSecond_us),
-      signing_due_(10 * kSecond_us) {
+      sender_(configuration_, links, storage.streams.first(links.count()),
+              {report_, parameters_, parameter_service_, ftp_, logs_}),
+      texts_(links),
+      time_asker_(time, links, router_, configuration_.start.tick_us),
+      heartbeat_due_(kSecond_us, configuration_.start.tick_us / 2) {
   refresh();
 }
 
@@ -96,15 +87,13 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
                    link::Counters& counters) {
   const auto* beat = std::get_if<link::Heartbeat>(&received.message);
   if (received.from == self()) {
-    if (beat != nullptr && !links_.is_echo(received)) {
-      double_seen_ = true;
-      double_us_ = now_us;
-    }
+    if (beat != nullptr && !links_.is_echo(received)) identity_.heard_twice(now_us);
     return true;
   }
   // RADIO_STATUS comes unsigned and under any system id: trusted for the send buffer only.
   if (const auto* radio = std::get_if<link::RadioStatus>(&received.message)) {
-    if (links_.is_radios(link, received)) streams_.radio_has_room(link, radio->txbuf, now_us);
+    if (!links_.is_radios(link, received)) return true;
+    sender_.streams().radio_has_room(link, radio->txbuf, now_us);
     return true;
   }
   heard_ = std::max(heard_, received.is_signed ? Heard::kSigned : Heard::kMessage);
@@ -204,9 +193,9 @@ bool Vehicle::may_command(link::Address from) const {
 
 void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
   now_us_ = now_us;
+  sender_.begin(now_us);
   missions_.check_plan(configuration_.plan);
   links_.begin(dt_us);
-  streams_.forget_silent_radios(now_us);
   if (identity_.latch(core::armed(supervisor_.state()), now_us)) {
     links_.rename(identity_.self());
     changed_ = true;
@@ -227,8 +216,8 @@ void Vehicle::apply_conditions(core::Conditions conditions, link::Counters& coun
 
 void Vehicle::stop(link::Counters& counters) {
   if (supervisor_.request(Request::kTerminate, now_us_).changed) announce_state(0, counters);
-  if (!stop_due_.take_if_due(now_us_)) return;
-  send_statustext(mav::kSeverityCritical, {"stop switch is pressed, or its wire is cut"}, counters);
+  if (!texts_.take_if_due(Repeated::kStopPressed, now_us_)) return;
+  texts_.send(mav::kSeverityCritical, {"stop switch is pressed, or its wire is cut"}, counters);
 }
 
 void Vehicle::apply_rc(link::Counters& counters) {
@@ -316,7 +305,7 @@ Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
 
 /// A key protects only links that require signatures, and only while the time is known.
 void Vehicle::warn_of_signing(link::Counters& counters) {
-  if (!links_.signing().has_key() || !signing_due_.take_if_due(now_us_)) return;
+  if (!links_.signing().has_key() || !texts_.take_if_due(Repeated::kSigning, now_us_)) return;
   Sentence open;
   open << "unsigned messages accepted on link";
   const std::size_t closed = open.text().size();
@@ -324,14 +313,15 @@ void Vehicle::warn_of_signing(link::Counters& counters) {
     if (links_.policy(link) != SigningPolicy::kRequired) open << " " << static_cast<float>(link);
   }
   if (open.text().size() > closed) {
-    send_statustext(mav::kSeverityWarning, {open.text()}, counters);
+    texts_.send(mav::kSeverityWarning, {open.text()}, counters);
   }
   if (links_.signing().knows_clock()) return;
-  send_statustext(mav::kSeverityWarning, {"clock unknown: signature age not checked"}, counters);
+  texts_.send(mav::kSeverityWarning, {"clock unknown: signature age not checked"}, counters);
 }
 
 void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {
-  if (!(request == Request::kArm ? arm_refusal_due_ : refusal_due_).take_if_due(now_us_)) return;
+  const Repeated kind = request == Request::kArm ? Repeated::kArmRefused : Repeated::kRefused;
+  if (!texts_.take_if_due(kind, now_us_)) return;
   const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
   if (missing == 0) {
     const State state = supervisor_.state();
@@ -339,13 +329,13 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
                             : state == State::kDisarmed ? "arm first"
                             : state == State::kHold     ? "thrust is below THR_DEAD"
                                                         : "HOLD first";
-    send_statustext(mav::kSeverityWarning, {what, why}, counters);
+    texts_.send(mav::kSeverityWarning, {what, why}, counters);
     return;
   }
-  send_complaints(what, missing, counters);
+  texts_.send_complaints(what, missing, counters);
   if ((missing & core::kGainsFit) != 0) tell_gain_fault(counters);
   if ((missing & core::kPlanReady) != 0 && !missions_.plan_trouble().empty()) {
-    send_statustext(mav::kSeverityWarning, {"Plan: ", missions_.plan_trouble()}, counters);
+    texts_.send(mav::kSeverityWarning, {"Plan: ", missions_.plan_trouble()}, counters);
   }
 }
 
@@ -360,16 +350,7 @@ void Vehicle::tell_gain_fault(link::Counters& counters) {
   why << found->gain << " " << found->value << " gives a " << found->loop << " of "
       << rounded(found->time_s) << " s, " << found->other << " allows " << rounded(found->allowed_s)
       << (found->more ? " s or more" : " s or less");
-  send_statustext(mav::kSeverityWarning, {why.text()}, counters);
-}
-
-/// Sends as many as leave room for the heartbeat; the others follow once these are remedied.
-void Vehicle::send_complaints(std::string_view what, core::Conditions unmet,
-                              link::Counters& counters) {
-  for_each_complaint(unmet, [&](std::string_view why) {
-    if (links_.least_room() < kOwnRoom + kSentenceRoom) return;
-    send_statustext(mav::kSeverityWarning, {what, why}, counters);
-  });
+  texts_.send(mav::kSeverityWarning, {why.text()}, counters);
 }
 
 void Vehicle::announce_state(core::Conditions missing, link::Counters& counters) {
@@ -382,16 +363,15 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
   const std::uint8_t severity = terminated                   ? mav::kSeverityCritical
                                 : missing != 0 && !test_over ? mav::kSeverityError
                                                              : mav::kSeverityInfo;
-  send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
+  texts_.send(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   const bool centred = (supervisor_.conditions(now_us_) & core::kSticksCentred) != 0;
   if (state == State::kManual && !centred) {
-    send_complaints("MANUAL: ", core::kSticksCentred, counters);
+    texts_.send_complaints("MANUAL: ", core::kSticksCentred, counters);
   }
   announce_ = true;
-  paused_ = false;
-  drive_.reset();
+  orders_.enter_state();
   reached_.reset();
-  streams_.make_due(link::CurrentMode::kId);
+  sender_.streams().make_due(link::CurrentMode::kId);
 }
 
 }  // namespace flotilla::app

@@ -18,14 +18,16 @@
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/rc_input.hpp"
 #include "app/operator/router.hpp"
+#include "app/operator/sailing_orders.hpp"
 #include "app/operator/services/log_service.hpp"
 #include "app/operator/services/mission_service.hpp"
 #include "app/operator/services/parameter_service.hpp"
 #include "app/operator/setpoint.hpp"
 #include "app/operator/setpoints.hpp"
 #include "app/operator/storage.hpp"
-#include "app/operator/telemetry/streams.hpp"
-#include "app/operator/telemetry/telemetry.hpp"
+#include "app/operator/telemetry/telemetry_sender.hpp"
+#include "app/operator/telemetry/texts.hpp"
+#include "app/operator/time_asker.hpp"
 #include "app/supervisor.hpp"
 #include "link/mavlink/ftp_server.hpp"
 
@@ -57,7 +59,7 @@ class Vehicle {
   void begin(std::int64_t now_us, std::int64_t dt_us);
 
   /// Another sender has used our ids within the last ten seconds.
-  bool doubled(std::int64_t now_us) const { return now_us - double_us_ < 10 * kSecond_us; }
+  bool doubled(std::int64_t now_us) const { return identity_.doubled(now_us); }
 
   /// The condition that a ground station is heard.
   core::Conditions conditions(std::int64_t now_us) const;
@@ -91,21 +93,10 @@ class Vehicle {
   void locate(const link::GpsGlobalOrigin& origin);
 
   /// Whether tell() needs a report of this tick.
-  bool tells_report();
+  bool tells_report() { return sender_.needs_report(); }
 
   /// Sets the values that telemetry and answers use from now on.
   void report(const Report& report);
-
-  /// Whether FORMATION_REFERENCE is due on a link; it is due earlier if `news` differs from the
-  /// number sent last.
-  bool waits_for_reference(std::uint32_t news) const;
-  void tell_reference(std::uint32_t news, const link::FormationReference& reference,
-                      link::Counters& counters);
-
-  /// The same for FORMATION_FUTURE; each future is sent twice. future: nothing if it is over.
-  bool waits_for_future(std::uint32_t news) const;
-  void tell_future(std::uint32_t news, const std::optional<link::FormationFuture>& future,
-                   link::Counters& counters);
 
   /// A request of the boat itself.
   void request(core::Request request, link::Counters& counters);
@@ -113,20 +104,13 @@ class Vehicle {
   /// Sends telemetry and pending answers.
   void tell(link::Counters& counters);
 
-  /// Sends a text to all operators, in chunks of 50 characters if it is longer.
-  void send_statustext(std::uint8_t severity, std::initializer_list<std::string_view> parts,
-                       link::Counters& counters);
-
+  TelemetrySender& sender() { return sender_; }
+  Texts& texts() { return texts_; }
+  SailingOrders& orders() { return orders_; }
+  const SailingOrders& orders() const { return orders_; }
   MissionService& missions() { return missions_; }
   const MissionService& missions() const { return missions_; }
   LogService& logs() { return logs_; }
-  /// A target that GUIDED has not begun to sail to yet.
-  const std::optional<Target>& target() const { return target_; }
-  std::optional<Target> take_target() { return std::exchange(target_, std::nullopt); }
-  /// Velocities that a script has set for GUIDED, until it was silent for three seconds.
-  std::optional<core::Drive<double>> drive(std::int64_t now_us) const;
-  /// An operator has paused the plan or the errand.
-  bool is_paused() const { return paused_; }
 
   /// Takes the progress of AUTO: the item ahead, and the last one reached. complete: the plan is at
   /// its end.
@@ -190,54 +174,35 @@ class Vehicle {
                      link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
   void tell_gain_fault(link::Counters& counters);
-  void send_complaints(std::string_view what, core::Conditions unmet, link::Counters& counters);
   void announce_state(core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
-  /// The state messages of one tick, shared by all links.
-  using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
-  void ask_times(link::Counters& counters);
-  void ask_leaders_time(link::Counters& counters);
-  void tell_separation(link::Counters& counters);
-  bool state_is_due();
-  bool reference_is_due(std::size_t link, std::uint32_t news) const;
-  bool future_is_due(std::size_t link, std::uint32_t news) const;
-  void tell_state(link::Counters& counters);
-  void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
-  void tell_rest(std::size_t link, link::Counters& counters);
-  bool may_tell(std::size_t link) const;
-  bool tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);
-  bool tell_parameters(std::size_t link, link::Counters& counters);
-  bool tell_files(std::size_t link, link::Counters& counters);
-  bool tell_logs(std::size_t link, link::Counters& counters);
 
   Supervisor& supervisor_;
   Parameters parameters_;
   Configuration configuration_;  // derived from parameters_
   Identity identity_;
   MavlinkLinks& links_;
-  TimeRequests& time_;
   Router router_;
   Inbox inbox_;
   Copies copies_;
   ParameterService parameter_service_;
   MissionService missions_;
   LogService logs_;
+  link::FtpServer ftp_;
+  Report report_;  // the last one, with the present mode
+  TelemetrySender sender_;
+  Texts texts_;
+  TimeAsker time_asker_;
+  SailingOrders orders_;
   struct Stop {
     std::int64_t us = 0;
     link::Address by{};
     std::uint8_t links = 0;  ///< it came on, by bits; 0: none yet
   };
-  Stop stop_;  // an operator's last one
-  bool paused_ = false;
-  std::optional<Target> target_;
-  std::optional<core::Drive<double>> drive_;  // in GUIDED
-  std::int64_t drive_us_ = 0;
+  Stop stop_;                           // an operator's last one
   std::optional<std::size_t> reached_;  // item
-  link::FtpServer ftp_;
-  Streams streams_;
   Setpoints setpoints_;
   RcInput rc_;
-  Report report_;  // the last one, with the present mode
 
   std::optional<std::int64_t> gcs_us_;  // last heartbeat of one that may command
   bool changed_ = false;
@@ -247,43 +212,10 @@ class Vehicle {
   std::optional<Failure> failure_;
   bool disarm_ = false;
   std::string_view ignored_{};  // refusal_of() a message since the last tick
-  bool double_seen_ = false;    // since the last warning of it
-  std::int64_t double_us_ = std::numeric_limits<std::int64_t>::min() / 2;
-  bool announce_ = false;  // the state has changed: send a heartbeat at once
-  std::optional<std::array<std::int32_t, 2>> told_origin_;
-  bool origin_moved_ = false;  // in this tick
-  std::array<std::uint32_t, kMaxLinks> told_news_{};
-  struct StateTurns {
-    std::uint8_t states = 0;      ///< sent since the last reference
-    bool reference_next = false;  ///< it waits for the link's budget
-  };
-  std::array<StateTurns, kMaxLinks> state_turns_{};
-  struct ToldFuture {
-    std::uint32_t news = 0;
-    bool again = false;
-  };
-  std::array<ToldFuture, kMaxLinks> told_futures_{};
-  std::array<std::size_t, kMaxLinks> turn_{};  // the next turn of tell_rest()
-  struct Begun {
-    std::size_t stream = kStreams.size();
-    std::uint32_t told = 0;
-  };
-  std::array<Begun, kMaxLinks> begun_{};  // a stream that has sent only part of its messages
-  std::uint16_t text_id_ = 0;
+  bool announce_ = false;       // the state has changed: send a heartbeat at once
   std::int64_t now_us_ = 0;
 
   Schedule heartbeat_due_;
-  Schedule timesync_due_;
-  Schedule leader_time_due_{250'000};
-  std::int64_t asked_everywhere_us_ = std::numeric_limits<std::int64_t>::min() / 2;
-  Schedule separation_due_;
-  Schedule arm_refusal_due_;
-  Schedule refusal_due_;
-  Schedule stop_due_;
-  Schedule parameter_refusal_due_;
-  Schedule double_due_;
-  Schedule ignored_due_;
-  Schedule signing_due_;
 };
 
 }  // namespace flotilla::app

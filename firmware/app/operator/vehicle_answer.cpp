@@ -105,14 +105,7 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
     ignored_ = asked.why;
     return;
   }
-  if (asked.target) target_ = asked.target;
-  drive_ = drive;
-  drive_us_ = now_us_;
-}
-
-std::optional<core::Drive<double>> Vehicle::drive(std::int64_t now_us) const {
-  constexpr std::int64_t kSilent_us = 3'000'000;
-  return now_us - drive_us_ < kSilent_us ? drive_ : std::nullopt;
+  orders_.set(asked.target, drive, now_us_);
 }
 
 /// Reports a refusal as for setpoints.
@@ -144,18 +137,18 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   const std::string_view name = kNames[static_cast<std::size_t>(news->what)];
   Sentence told;
   if (news->kind != Kind::kStored) {
-    if (!refusal_due_.take_if_due(now_us_)) return;
+    if (!texts_.take_if_due(Repeated::kRefused, now_us_)) return;
     const std::string_view how =
         news->kind == Kind::kRefused ? " refused at item " : " invalid at item ";
     told << name << how << static_cast<float>(news->item) << ": " << news->why;
-    send_statustext(mav::kSeverityWarning, {told.text()}, counters);
+    texts_.send(mav::kSeverityWarning, {told.text()}, counters);
     return;
   }
   told << name << " of " << static_cast<float>(missions_.stored(news->what).size())
        << " items stored";
-  send_statustext(mav::kSeverityInfo, {told.text()}, counters);
-  streams_.make_due(link::MissionCurrent::kId);
-  streams_.make_due(link::FenceStatus::kId);
+  texts_.send(mav::kSeverityInfo, {told.text()}, counters);
+  sender_.streams().make_due(link::MissionCurrent::kId);
+  sender_.streams().make_due(link::FenceStatus::kId);
 }
 
 /// Switches the fence on or off.
@@ -164,7 +157,7 @@ std::uint8_t Vehicle::answer_of_fence(DecodedCommand& asked) {
     asked.why = "no fence is stored";
     return mav::kDenied;
   }
-  streams_.make_due(link::FenceStatus::kId);
+  sender_.streams().make_due(link::FenceStatus::kId);
   return mav::kAccepted;
 }
 
@@ -205,7 +198,7 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
 std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
   if (asked.item) return answer_of_jump(asked);
   if (!core::sails_alone(supervisor_.state())) return mav::kTemporarilyRejected;
-  paused_ = *asked.paused;
+  orders_.pause(*asked.paused);
   return mav::kAccepted;
 }
 
@@ -250,14 +243,13 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   Supervisor::Decision decision{true, false, 0};
   if (asked.request == Request::kArm) warn_of_signing(counters);
   if (asked.request != Request::kNone) decision = ask(asked);
-  if (asked.rate &&
-      !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {
+  if (asked.rate && !sender_.streams().set(link, asked.rate->id, asked.rate->interval_us,
+                                           links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // denied: neither is set
   if (asked.target && decision.granted) {
-    target_ = asked.target;
-    drive_.reset();
+    orders_.go_to(*asked.target);
   }
   if (asked.fence) asked.result = answer_of_fence(asked);
   if (asked.message) {
@@ -277,10 +269,10 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (!decision.granted) {
     refuse(asked.request, decision.missing, counters);
   } else {
-    send_complaints("armed, no FORMATION: ", decision.missing, counters);
+    texts_.send_complaints("armed, no FORMATION: ", decision.missing, counters);
   }
-  if (!asked.why.empty() && refusal_due_.take_if_due(now_us_)) {
-    send_statustext(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);
+  if (!asked.why.empty() && texts_.take_if_due(Repeated::kRefused, now_us_)) {
+    texts_.send(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);
   }
 }
 
@@ -292,7 +284,7 @@ std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageR
   }
   if (request.id == link::MessageInterval::kId) {
     const auto id = static_cast<std::uint16_t>(request.index);
-    const link::MessageInterval interval{streams_.interval_us(link, id), id};
+    const link::MessageInterval interval{sender_.streams().interval_us(link, id), id};
     return first ? std::optional<link::Message>(interval) : std::nullopt;
   }
   if (identity_.companion() && !is_companions(request.id)) return std::nullopt;
@@ -327,18 +319,18 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
   switch (result.outcome) {
     case SetResult::Outcome::kSet: {
       changed_ = true;
-      const std::int64_t asks_us = streams_.slowed_us(kSecond_us);
+      const std::int64_t asks_us = sender_.streams().slowed_us(kSecond_us);
       configuration_ = configuration_of(parameters_);
-      streams_.configure(configuration_.operators);
-      if (streams_.slowed_us(kSecond_us) != asks_us) timesync_due_.make_due();
+      sender_.streams().configure(configuration_.operators);
+      if (sender_.streams().slowed_us(kSecond_us) != asks_us) time_asker_.make_due();
       if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
       break;
     }
     case SetResult::Outcome::kUnchanged:
       break;
     case SetResult::Outcome::kRefused:
-      if (parameter_refusal_due_.take_if_due(now_us_)) {
-        send_statustext(mav::kSeverityWarning, {result.sentence.text()}, counters);
+      if (texts_.take_if_due(Repeated::kParameterRefused, now_us_)) {
+        texts_.send(mav::kSeverityWarning, {result.sentence.text()}, counters);
       }
       break;
   }

@@ -133,7 +133,8 @@ struct Ship {
     }
     vehicle->report(r);
     vehicle->tell(counters);
-    if (vehicle->waits_for_reference(news)) vehicle->tell_reference(news, reference, counters);
+    if (vehicle->sender().waits_for_reference(news))
+      vehicle->sender().send_reference(news, reference, counters);
     for (std::size_t link = 0; link < heard.size(); ++link) {
       link::Counters ignored;
       heard[link] = received_from(decoders[link], links.bytes(link), ignored);

@@ -240,7 +240,7 @@ TEST_CASE(
     for (std::size_t k = 0; k < length; ++k) sentence += static_cast<char>('a' + k % 23);
     s.vehicle->begin(s.now_us, kTick_us);
     const std::size_t cut = length / 3;
-    s.vehicle->send_statustext(
+    s.vehicle->texts().send(
         5, {sentence.substr(0, cut), "", std::string_view(sentence).substr(cut)}, s.counters);
     for (std::size_t link = 0; link < 3; ++link) {
       const auto heard = received_from(s.decoders[link], s.links.bytes(link), s.counters);
@@ -273,7 +273,7 @@ TEST_CASE(
 TEST_CASE("an endless sentence is cut off, not a crash") {
   Ship s;
   s.vehicle->begin(s.now_us, kTick_us);
-  s.vehicle->send_statustext(5, {std::string(500, 'x'), std::string(500, 'y')}, s.counters);
+  s.vehicle->texts().send(5, {std::string(500, 'x'), std::string(500, 'y')}, s.counters);
   std::string whole;
   for (const auto& r : received_from(s.decoders[0], s.links.bytes(0), s.counters)) {
     whole += text_of(std::get<link::Statustext>(r.message));

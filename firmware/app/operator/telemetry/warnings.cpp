@@ -167,9 +167,8 @@ void Warnings<S>::tell_latency(const Seen& seen) {
   const bool told = std::exchange(latency_told_, latency_s.has_value());
   if (told || !latency_s || *latency_s < kWorthAWord_s) return;
   const bool borne = (pilot_.conditions(seen.now_us) & core::kOwnPrompt) != 0;
-  vehicle_.send_statustext(mav::kSeverityWarning,
-                           {unit_is_late(*latency_s).text(), borne ? ": compensated" : ""},
-                           counters_);
+  vehicle_.texts().send(mav::kSeverityWarning,
+                        {unit_is_late(*latency_s).text(), borne ? ": compensated" : ""}, counters_);
 }
 
 template <class S>

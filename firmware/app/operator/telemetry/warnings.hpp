@@ -49,7 +49,7 @@ class Warnings {
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
   void send_statustext(std::uint8_t severity, std::string_view text) {
-    vehicle_.send_statustext(severity, {text}, counters_);
+    vehicle_.texts().send(severity, {text}, counters_);
   }
   void warn_of_host(const Seen& seen);
   void warn_of_vessels(const Seen& seen);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// What operators and scripts want of a boat that sails alone: a target, velocities, a pause.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "app/plan/errand.hpp"
+#include "core/drive.hpp"
+
+namespace flotilla::app {
+
+class SailingOrders {
+ public:
+  /// A target for GUIDED, instead of velocities.
+  void go_to(const Target& target) {
+    target_ = target;
+    drive_.reset();
+  }
+
+  /// A script's setpoint for GUIDED: a new target, velocities, or neither.
+  void set(const std::optional<Target>& target, const std::optional<core::Drive<double>>& drive,
+           std::int64_t now_us) {
+    if (target) target_ = target;
+    drive_ = drive;
+    drive_us_ = now_us;
+  }
+
+  /// A target that GUIDED has not begun to sail to yet.
+  const std::optional<Target>& target() const { return target_; }
+  std::optional<Target> take_target() { return std::exchange(target_, std::nullopt); }
+
+  /// Velocities that a script has set for GUIDED, until it was silent for three seconds.
+  std::optional<core::Drive<double>> drive(std::int64_t now_us) const {
+    constexpr std::int64_t kSilent_us = 3'000'000;
+    return now_us - drive_us_ < kSilent_us ? drive_ : std::nullopt;
+  }
+
+  /// Pauses the plan or the errand, or resumes it.
+  void pause(bool paused) { paused_ = paused; }
+  bool is_paused() const { return paused_; }
+
+  /// The boat has entered another state: neither pause nor velocities hold there.
+  void enter_state() {
+    paused_ = false;
+    drive_.reset();
+  }
+
+ private:
+  bool paused_ = false;
+  std::optional<Target> target_;
+  std::optional<core::Drive<double>> drive_;
+  std::int64_t drive_us_ = 0;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/time_asker.hpp"
+
+namespace flotilla::app {
+
+void TimeAsker::ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_us,
+                    link::Counters& counters) {
+  if (!due_.take_if_due(now_us)) return;
+  const link::Timesync request = time_.ask(now_us, self);
+  const std::int64_t before_us = slowed_us - kSecond_us;  // one turn less
+  const bool everywhere = now_us - asked_everywhere_us_ > before_us + kSecond_us / 20;
+  if (everywhere) asked_everywhere_us_ = now_us;
+  const unsigned own = router_.links_to({self, 0}, now_us);
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (everywhere || (own >> link & 1U) != 0) links_.send(link, request, counters);
+  }
+}
+
+void TimeAsker::ask_leader(std::int64_t now_us, std::uint8_t self, std::uint8_t leader,
+                           link::Counters& counters) {
+  if (!leader_due_.take_if_due(now_us)) return;
+  link::Timesync request = time_.ask(now_us, self);
+  request.target = {leader, 0};
+  links_.broadcast(request, counters);
+}
+
+}  // namespace flotilla::app

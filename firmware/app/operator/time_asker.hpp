@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Asks other vessels for their time, by TIMESYNC: all of them once a second, a new leader more often.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "app/navigation/time_requests.hpp"
+#include "app/operator/mavlink_links.hpp"
+#include "app/operator/router.hpp"
+#include "app/schedule.hpp"
+
+namespace flotilla::app {
+
+class TimeAsker {
+ public:
+  /// All must outlive this.
+  TimeAsker(TimeRequests& time, MavlinkLinks& links, const Router& router, std::int64_t tick_us)
+      : time_(time), links_(links), router_(router), due_(kSecond_us, tick_us / 2) {}
+
+  /// Asks once a second. All vessels in range answer each other's requests, which is most of a slow
+  /// radio's load; so others are asked only every `slowed_us`. The own unit is still asked every
+  /// second: if it does not answer, it counts as late.
+  void ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_us,
+           link::Counters& counters);
+
+  /// Asks a new leader, whose clock is not known yet. Until it is, the boat coasts.
+  void ask_leader(std::int64_t now_us, std::uint8_t self, std::uint8_t leader,
+                  link::Counters& counters);
+
+  void make_due() { due_.make_due(); }
+
+ private:
+  static constexpr std::int64_t kSecond_us = 1'000'000;
+
+  TimeRequests& time_;
+  MavlinkLinks& links_;
+  const Router& router_;
+  Schedule due_, leader_due_{kSecond_us / 4};
+  std::int64_t asked_everywhere_us_ = std::numeric_limits<std::int64_t>::min() / 2;
+};
+
+}  // namespace flotilla::app
