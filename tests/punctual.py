@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from sil.lockstep.start import RunError
+
 MOST_LATE = 0.02  # of the ticks
 WORLD_LATE_S = 0.3  # the run itself then says that the machine is too slow; boats stop at 0.5 s
 
@@ -15,15 +17,16 @@ def sail_punctually(sail: Callable[[Path], None], parent: Path) -> Path:
     """The folder in `parent` of a punctual live run, at the second attempt if necessary.
 
     A boat that is late in more than 2 % of its ticks, or gets its data late from the simulation,
-    may rightly stop. So an assertion that fails in `sail`, which makes one run in the folder that
-    it gets, counts only if all were punctual. If they were late twice, the test is skipped.
+    may rightly stop, or not start. So an assertion that fails in `sail`, which makes one run in the
+    folder that it gets, or a run that ends early, counts only if all were punctual. If they were
+    late twice, the test is skipped.
     """
     told = []
     for attempt in range(2):
         out, failure = parent / str(attempt), None
         try:
             sail(out)
-        except AssertionError as error:
+        except (AssertionError, RunError) as error:
             failure = error
         late = {file.parent.name: lateness(file) for file in sorted(out.glob("boat*/stats.json"))}
         worst = max(late, key=late.__getitem__, default="")

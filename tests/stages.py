@@ -36,17 +36,32 @@ OF_BUILDS = (
 )
 
 
+#: Tests that sail boats in real time, or wait for what others send.
+LIVE = (
+    "tests/clients",
+    "tests/linux",
+    "tests/loop/test_live.py",
+    "tests/sil/doctor",
+    "tests/sil/live",
+    "tests/sil/view/test_live_fleet.py",
+    "tests/sil/view/test_page_served.py",
+    "tests/sil/view/test_sailing_fleet.py",
+)
+
+
 @dataclass(frozen=True)
 class Stage:
     """`commands` run in sequence after the stages `after`; `tests`: whether they run tests.
 
-    `nice`: their priority is lower where boats sail in real time beside them.
+    `live`: in real time; one such stage runs at a time, those beside it have a lower priority
+    (`nice`). Else tests/punctual.py finds the machine too slow to judge boats.
     """
 
     name: str
     commands: tuple[str, ...]
     after: tuple[str, ...] = ()
     tests: bool = False
+    live: bool = False
     nice: int = 10
 
 
@@ -69,13 +84,20 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     out = shlex.quote(str(OUT))
     junit = f"--junitxml={out}/{{}}.xml"
     pytest = ".venv/bin/pytest -rs -o junit_family=xunit1"
+    workers = "--numprocesses {} --dist loadfile --no-loadscope-reorder"
     every = " --all" if options.all else ""
     fuzz_s = 300 if options.all else 2
     words = shlex.join(options.pytest)
     packages = "amd64 arm64 armhf" if options.all else "amd64"
-    of_builds, ignored = " ".join(OF_BUILDS), " ".join(f"--ignore={path}" for path in OF_BUILDS)
-    rooms = "supervisor|alone|boat|conditions|membership|estimation|fleet|guidance|plan|propulsion"
-    tidied = "firmware/.*cpp" if options.all else f"firmware/app/({rooms})"
+    of_builds = " ".join(OF_BUILDS)
+    not_live = " ".join(f"--ignore={path}" for path in (*OF_BUILDS, *LIVE, "tests/vcan"))
+    live = " ".join([*LIVE, *(f"--ignore={path}" for path in OF_BUILDS)])
+    one_source = "build/dev/tests/CMakeFiles/flotilla_tidied.dir/Unity/*.cxx"
+    tidied = (
+        "run-clang-tidy-19 -quiet -j 2 -p build/dev 'firmware/.*cpp'"
+        if options.all
+        else f"clang-tidy-19 -quiet -p build/dev {one_source}"
+    )
     found = [
         # Collecting writes the tests' bytecode once; else each worker would, 17 s of each.
         Stage("lint", (f"{pytest} --collect-only -qq tests",
@@ -84,12 +106,14 @@ def stages(options: argparse.Namespace) -> list[Stage]:
                        "ruff format --check .", "ruff check .", "mypy"), nice=0),
         Stage("release", (f"tools/build release {RELEASE}",)),
         Stage("vcan", ("tools/with-vcan build/release/tests/socketcan_tests",
-                       f"tools/with-vcan {pytest} {junit.format('vcan')} tests/vcan"),
-              ("release",), tests=True, nice=0),
-        Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan "
-                         f"{ignored} --numprocesses 4 --dist loadfile --no-loadscope-reorder"
-                         f"{every} {words}",),
-              ("release",), tests=True, nice=5),
+                       f"tools/with-vcan {pytest} {junit.format('vcan')}{every} tests/vcan"),
+              ("release",), tests=True, live=True, nice=0),
+        Stage("live", (f"{pytest} {junit.format('live')} {live} {workers.format(4)}{every}"
+                       f" {words if options.only == 'live' else ''}",),
+              ("release",), tests=True, live=True, nice=0),
+        Stage("python", (f"{pytest} {junit.format('python')} {not_live} {workers.format(3)}{every}"
+                         f" {words}",),
+              ("release",), tests=True),
         Stage("sanitizers", ("tools/build dev",), ("release",)),
         Stage("images", ("tools/build cortex-m", f"tools/package {packages}",
                          f"{pytest} {junit.format('images')}{every} {of_builds}"),
@@ -97,8 +121,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
                            f"--output-junit {out}/firmware.xml",), ("sanitizers",), tests=True),
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
-        Stage("tidy", (f"run-clang-tidy-19 -quiet -j 2 -p build/dev '{tidied}'",),
-              ("sanitizers",)),
+        Stage("tidy", (tidied,), ("sanitizers",)),
     ]  # fmt: skip
     if options.all:
         found += [
@@ -184,7 +207,7 @@ def run_all(todo: list[Stage], told: Callable[[Result], None]) -> list[Result]:
     """Run each stage as soon as the stages it needs have passed."""
     results: dict[str, Result] = {}
     with concurrent.futures.ThreadPoolExecutor(len(todo)) as pool:
-        running: dict[concurrent.futures.Future[Result], str] = {}
+        running: dict[concurrent.futures.Future[Result], Stage] = {}
         waiting = list(todo)
         while waiting or running:
             for stage in list(waiting):
@@ -192,14 +215,16 @@ def run_all(todo: list[Stage], told: Callable[[Result], None]) -> list[Result]:
                     waiting.remove(stage)
                     results[stage.name] = Result(stage, why=f"needs {' and '.join(stage.after)}")
                     told(results[stage.name])
-                elif all(name in results for name in stage.after):
+                elif all(name in results for name in stage.after) and not (
+                    stage.live and any(other.live for other in running.values())
+                ):
                     waiting.remove(stage)
-                    running[pool.submit(run, stage)] = stage.name
+                    running[pool.submit(run, stage)] = stage
             done, _ = concurrent.futures.wait(running, PROGRESS_S, "FIRST_COMPLETED")
             if not done:
-                print(f"{'…':12}{', '.join(running.values())}", flush=True)
+                print(f"{'…':12}{', '.join(stage.name for stage in running.values())}", flush=True)
             for future in done:
-                results[running.pop(future)] = future.result()
+                results[running.pop(future).name] = future.result()
                 told(future.result())
     return [results[stage.name] for stage in todo]
 

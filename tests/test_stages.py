@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The stages of tools/test: what makes a run fail, and its final report."""
 
+import threading
 from pathlib import Path
 
 import pytest
 
 from tests import stages
-from tests.stages import Stage
+from tests.stages import Result, Stage
 
 PASSING = Stage("passing", ("echo '[doctest] test cases:  2 |  2 passed | 0 failed'",), tests=True)
 CASE = '<testcase classname="boat" name="sails" time="1"><skipped message="{}"/></testcase>'
@@ -80,6 +81,34 @@ def test_a_run_that_was_too_slow_to_be_judged_neither_passes_nor_fails(
     *_, told, sums = capsys.readouterr().out.splitlines()
     assert told == "NOT JUDGED: boat::sails: boat2 late in 9%"
     assert sums == "tests: 1 passed, 0 failed, 1 skipped"
+
+
+def test_of_two_live_stages_the_second_waits_and_others_run_beside_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    beside, ended = threading.Barrier(2, timeout=30), []
+
+    def run(stage: Stage) -> Result:
+        if stage.name in {"vcan", "fuzz"}:
+            beside.wait()
+        if stage.name == "live":
+            assert "vcan" in ended
+        ended.append(stage.name)
+        return Result(stage)
+
+    monkeypatch.setattr(stages, "run", run)
+    todo = [Stage("vcan", (), live=True), Stage("live", (), live=True), Stage("fuzz", ())]
+    assert len(stages.run_all(todo, lambda _: None)) == len(ended) == 3
+
+
+def test_every_live_test_is_in_the_stage_live_and_no_other() -> None:
+    commands = {
+        stage.name: " ".join(stage.commands) for stage in stages.stages(stages.arguments([]))
+    }
+    for path in stages.LIVE:
+        assert (Path(__file__).parents[1] / path).exists()
+        assert f" {path} " in commands["live"]
+        assert f"--ignore={path} " in commands["python"]
 
 
 @pytest.mark.parametrize("words", [[], ["--all"], ["--only", "vcan"]])

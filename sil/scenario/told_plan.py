@@ -70,12 +70,14 @@ class ToldPlan:
         step = 0.0
         if not silent:
             back = min(1.0, _GAIN * self._h_s) * self._behind
-            step = float(np.clip((0.0 if self._rests else 1.0) + back, 0.0, _FASTEST))
+            step = min(max((0.0 if self._rests else 1.0) + back, 0.0), _FASTEST)
             self._behind += (0.0 if self._rests else 1.0) - step
         last = len(self._motion) - 1
         self._at = min(self._at + step, float(last))
         k = min(int(self._at), last - 1)
-        a, b = self._motion[k], self._motion[k + 1]
         share = self._at - k
-        eta = np.array([*(a[:2] + share * (b[:2] - a[:2])), a[2] + share * self._h_s * a[5]])
-        return eta, step * (a[3:6] + share * (b[3:6] - a[3:6]))
+        # plain floats: numpy takes longer for a few numbers
+        a, b = self._motion[k : k + 2, :6].tolist()
+        now = [before + share * (after - before) for before, after in zip(a, b, strict=True)]
+        psi = a[2] + share * self._h_s * a[5]
+        return np.array([now[0], now[1], psi]), np.array([step * each for each in now[3:]])

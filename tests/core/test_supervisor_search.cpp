@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "core/supervisor.hpp"
@@ -63,34 +64,44 @@ Conditions conditions_of(const Node& n) {
   return met;
 }
 
-/// One tick of the boat: what the conditions force, what is asked, and a tick's time.
+void enter(Node& n, State state) {
+  if (state == State::kCoast && n.state != State::kCoast) n.coast = kCoastTicks;
+  if (state != State::kCoast) n.coast = 0;
+  if (state != State::kTest) n.test = 0;
+  if (state != n.state) n.centred = !n.full;
+  n.state = state;
+}
+
+/// The first half of a tick of the boat: what the conditions force.
+Node forced(Node n, const Choices& choices) {
+  n.centred = !n.full || (n.centred && n.state == State::kManual);
+  const Conditions met = conditions_of(n);
+  enter(n, supervise(n.state, Request::kNone, met, response_to(choices, n.state, met)).state);
+  return n;
+}
+
 struct Tick {
   Node after;
   bool pushes = false;
 };
 
-Tick tick_of(Node n, Request request, const Choices& choices) {
-  const auto enter = [&n](State state) {
-    if (state == State::kCoast && n.state != State::kCoast) n.coast = kCoastTicks;
-    if (state != State::kCoast) n.coast = 0;
-    if (state != State::kTest) n.test = 0;
-    if (state != n.state) n.centred = !n.full;
-    n.state = state;
-  };
-  n.centred = !n.full || (n.centred && n.state == State::kManual);
-  const Conditions met = conditions_of(n);
-  enter(supervise(n.state, Request::kNone, met, response_to(choices, n.state, met)).state);
+/// The second half: what is asked, and a tick's time.
+Tick answered(Node n, Request request) {
   Node asked = n;
   if (request == Request::kTest && n.test == 0) asked.test = kTestTicks;
   const Verdict verdict = supervise(n.state, request, conditions_of(asked));
   if (request != Request::kNone && verdict.granted) {
     n.test = asked.test;
-    enter(verdict.state);
+    enter(n, verdict.state);
   }
   const bool pushes = may_drive(n.state, conditions_of(n));
   if (n.coast > 0) --n.coast;
   if (n.test > 0) --n.test;
   return {n, pushes};
+}
+
+Tick tick_of(const Node& n, Request request, const Choices& choices) {
+  return answered(forced(n, choices), request);
 }
 
 /// What may happen between two ticks, one thing at a time.
@@ -128,9 +139,10 @@ std::size_t search(const Choices& choices, F f) {
     const Node n = open.back();
     open.pop_back();
     for (const Node& next : events_of(n)) visit(next);
+    const Node halfway = forced(n, choices);
     for (unsigned r = 0; r < kRequests; ++r) {
       const auto request = static_cast<Request>(r);
-      const Tick tick = tick_of(n, request, choices);
+      const Tick tick = answered(halfway, request);
       f(n, request, tick);
       visit(tick.after);
     }
@@ -200,23 +212,47 @@ struct Broken {
   }
 };
 
-TEST_CASE("no history of faults and requests ends where the boat must not be") {
+/// What one search of all histories saw, for both tests.
+struct Found {
+  std::vector<std::pair<Choices, Broken>> broken;
+  std::array<unsigned, kStates> next{};  ///< states that each led to in one tick
+  unsigned pushing = 0;                  ///< states in which it pushed
   std::size_t nodes = 0;
-  for_some_choices([&](const Choices& choices) {
-    Broken broken;
+
+  Found() {
+    for_some_choices([this](const Choices& choices) { look(choices); });
+  }
+
+  void look(const Choices& choices) {
+    Broken seen;
     nodes += search(choices, [&](const Node& before, Request request, const Tick& tick) {
-      broken.look(before, request, tick);
+      next[static_cast<std::size_t>(before.state)] |= in(tick.after.state);
+      if (tick.pushes) pushing |= in(tick.after.state);
+      seen.look(before, request, tick);
+      if (request != Request::kNone) return;  // The rest depends on the node alone.
       // All is repaired and the boat disarmed: as new. So every node leads to every other one.
       const Node repaired{before.state, Esc::kOnline, 0, before.coast, before.test};
-      broken.not_back_to_the_start +=
+      seen.not_back_to_the_start +=
           code_of(tick_of(repaired, Request::kDisarm, choices).after) != code_of(Node{});
       // Only the propellers are repaired: it is driven home, from FAULT and wherever it was.
       Node home{before.state, Esc::kOnline, before.wrong & kHarmless, before.coast, before.test};
-      for (const Request next : {Request::kDisarm, Request::kArm}) {
-        home = tick_of(home, next, choices).after;
+      for (const Request ask : {Request::kDisarm, Request::kArm}) {
+        home = tick_of(home, ask, choices).after;
       }
-      broken.stranded += !tick_of(home, Request::kManual, choices).pushes;
+      seen.stranded += !tick_of(home, Request::kManual, choices).pushes;
     });
+    broken.emplace_back(choices, seen);
+  }
+};
+
+const Found& found() {
+  static const Found all;
+  return all;
+}
+
+TEST_CASE("no history of faults and requests ends where the boat must not be") {
+  CHECK(found().broken.size() == 7);
+  for (const auto& [choices, broken] : found().broken) {
     CAPTURE(static_cast<int>(choices.leader));
     CAPTURE(static_cast<int>(choices.gcs));
     CHECK(broken.pushed_unarmed == 0);
@@ -238,19 +274,12 @@ TEST_CASE("no history of faults and requests ends where the boat must not be") {
     CHECK(broken.moved_from_hold == 0);
     CHECK(broken.returned_lost == 0);
     CHECK_FALSE(broken.any());
-  });
-  MESSAGE(nodes, " states visited");
+  }
+  MESSAGE(found().nodes, " states visited");
 }
 
 TEST_CASE("every state is reached, and from each in one tick just those that it may lead to") {
-  std::array<unsigned, kStates> next{};
-  unsigned pushing = 0;
-  for_some_choices([&](const Choices& choices) {
-    search(choices, [&](const Node& before, Request, const Tick& tick) {
-      next[static_cast<std::size_t>(before.state)] |= in(tick.after.state);
-      if (tick.pushes) pushing |= in(tick.after.state);
-    });
-  });
+  const auto& next = found().next;
   using enum State;
   constexpr unsigned kStops = in(kDisarmed, kFault);
   constexpr unsigned kDriven =
@@ -263,7 +292,8 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
   CHECK(next[5] == (kDriven | in(kTest)));
   CHECK(next[6] == kStops);
   for (unsigned alone = 7; alone < kStates; ++alone) CHECK(next[alone] == (kDriven | in(kTest)));
-  CHECK(pushing == in(kManual, kFormation, kCoast, kTest, kAuto, kGuided, kLoiter, kReturn));
+  CHECK(found().pushing ==
+        in(kManual, kFormation, kCoast, kTest, kAuto, kGuided, kLoiter, kReturn));
 }
 
 }  // namespace

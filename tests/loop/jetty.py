@@ -17,7 +17,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
 from sil.lockstep import metrics
@@ -74,8 +73,7 @@ def fleet(hull: str, number: int) -> Scenario:
 def outings(hull: str, numbers: Sequence[int]) -> list[Outing]:
     """The outings of these fleets of a hull; RunError where one does not start."""
     found = []
-    for number in track(numbers, hull, transient=True):
-        (run,) = sail([fleet(hull, number)], {}, keep_s=_KEPT_S)
+    for run in sail([fleet(hull, number) for number in numbers], {}, keep_s=_KEPT_S):
         if not isinstance(run, Run):
             raise run
         off = metrics.distances(run.trace["error"]).max(axis=1)

@@ -11,7 +11,11 @@ GUARD = 1.2  # FS_SEP_M's default, in hull lengths
 
 @pytest.mark.parametrize(
     ("boats", "turns", "hull", "length_m", "late"),
-    [(4, True, "", 1.2, 0), (8, False, "", 1.2, 0), (6, False, "otter", 2.0, 1)],
+    [
+        (4, True, "", 1.2, 0),
+        (8, False, "", 1.2, 0),
+        pytest.param(6, False, "otter", 2.0, 1, marks=pytest.mark.nightly),
+    ],
 )
 def test_boats_change_their_shape_under_way_and_none_comes_too_near(
     boats: int, hull: str, length_m: float, late: int, *, turns: bool

@@ -1,43 +1,46 @@
 # SPDX-License-Identifier: MIT
-"""The live SIL on the kernel's CAN: four flotillads, four buses, real time."""
+"""The live SIL on the kernel's CAN, real time: two flotillads, nightly four, a bus each."""
 
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
-from sil.cli.main import main
 from sil.live.live_world import FLOTILLAD
 from sil.lockstep import metrics
+from sil.lockstep.world import Run
+from sil.lockstep.world import sail as sail_in_lockstep
+from sil.report import one_run
+from sil.scenario import scenario
 from tests.punctual import sail_punctually
 
-DURATION_S = 40
 
-
-def distances_m(out: Path) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
-    """|e| of each boat at the last tick."""
-    with np.load(out / "trace.npz") as trace:
-        return np.asarray(metrics.distances(trace["error"])[-1])
-
-
-def test_boats_on_vcan_are_where_the_lockstep_has_them(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("boats", "duration_s"), [(2, 15), pytest.param(4, 40, marks=pytest.mark.nightly)]
+)
+def test_boats_on_vcan_are_where_the_lockstep_has_them(
+    boats: int, duration_s: int, tmp_path: Path
+) -> None:
     if not FLOTILLAD.exists():
         pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
+    diamond = scenario.load("diamond", [f"duration_s={duration_s}"])
+    fleet = diamond.model_copy(update={"boat": diamond.boat[:boats]})
 
     def sail(out: Path) -> None:
-        live = ["live", "diamond", "--bus", "socketcan:vcan0", "--duration", str(DURATION_S)]
-        assert main([*live, "--out", str(out)]) == 0
+        one_run.live(fleet, "socketcan:vcan0", out, {}, "", Console(quiet=True))
 
-    live, lockstep = sail_punctually(sail, tmp_path), tmp_path / "lockstep"
-    length = ["--set", f"duration_s={DURATION_S}"]
-    assert main(["run", "diamond", *length, "--out", str(lockstep)]) == 0
-    expected_m = distances_m(lockstep)
-    difference_m = np.abs(distances_m(live) - expected_m)
+    live = sail_punctually(sail, tmp_path)
+    (lockstep,) = sail_in_lockstep([fleet], {})
+    assert isinstance(lockstep, Run)
+    expected_m = metrics.distances(lockstep.trace["error"])[-1]
+    with np.load(live / "trace.npz") as trace:
+        difference_m = np.abs(metrics.distances(trace["error"])[-1] - expected_m)
     assert (difference_m < 0.05 + 0.1 * expected_m).all(), difference_m
     summary = json.loads((live / "summary.json").read_text(encoding="utf-8"))
-    assert [boat["states"].keys() for boat in summary["boats"]] == [{"FORMATION"}] * 4
-    for boat in range(1, 5):
+    assert [boat["states"].keys() for boat in summary["boats"]] == [{"FORMATION"}] * boats
+    for boat in range(1, boats + 1):
         stats = json.loads((live / f"boat{boat}" / "stats.json").read_text(encoding="utf-8"))
-        assert stats["ticks"] > 95 * DURATION_S
+        assert stats["ticks"] > 95 * duration_s
         assert stats["can"]["transfers_dropped"] == stats["can"]["receive_overflows"] == 0

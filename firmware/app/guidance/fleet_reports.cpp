@@ -13,7 +13,7 @@ namespace {
 namespace mav = link::mav;
 
 // A boat silent for this long has left, or has failed: do not wait for it.
-constexpr std::int64_t kSilent_us = 3'000'000;
+constexpr std::int64_t kMemberSilent_us = 3'000'000;
 constexpr std::uint8_t kReturns = 3;
 
 }  // namespace
@@ -58,7 +58,7 @@ void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t n
   }
   if (member == nullptr) {
     member = &*std::ranges::min_element(members_, {}, &Member::heard_us);
-    if (member->system != 0 && now_us - member->heard_us <= kSilent_us) return;
+    if (member->system != 0 && now_us - member->heard_us <= kMemberSilent_us) return;
     *member = {};
     member->system = system;
     used_ = std::max(used_, static_cast<std::size_t>(member - members_.data()) + 1);
@@ -90,13 +90,14 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
 
 std::optional<std::uint8_t> FleetReports::late(std::int64_t now_us) const {
   for (const Member& m : members_) {
-    if (m.out && now_us - m.heard_us < kSilent_us && m.waited(now_us) < wait_us_) return m.system;
+    if (m.out && now_us - m.heard_us < kMemberSilent_us && m.waited(now_us) < wait_us_)
+      return m.system;
   }
   return std::nullopt;
 }
 
 bool FleetReports::leader_returns(std::int64_t now_us) const {
-  return returns_ == kReturns && now_us - return_us_ < kSilent_us;
+  return returns_ == kReturns && now_us - return_us_ < kMemberSilent_us;
 }
 
 }  // namespace flotilla::app

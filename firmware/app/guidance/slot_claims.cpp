@@ -9,7 +9,7 @@ namespace {
 namespace mav = link::mav;
 
 // A boat silent for this long has given up its slot, or is out of range.
-constexpr std::int64_t kSilent_us = 3'000'000;
+constexpr std::int64_t kRivalSilent_us = 3'000'000;
 // Longer than a fleet's table takes to pass through a few boats.
 constexpr std::int64_t kSettles_us = 2'000'000;
 // Time for the other boat to stop, and for this one to hear of it.
@@ -67,7 +67,7 @@ std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us, bool sails) c
   const std::int64_t patience_us = kSettles_us + (own_ < rival_ ? kYields_us : 0);
   const bool stays = rival_sails_ && now_us - rival_since_us_ >= patience_us;
   const bool counts = rival_ != 0 && (stays || !sails);
-  const bool heard = counts && now_us - rival_us_ < kSilent_us;
+  const bool heard = counts && now_us - rival_us_ < kRivalSilent_us;
   return heard ? std::optional(rival_) : std::nullopt;
 }
 

@@ -8,7 +8,7 @@ namespace flotilla::app {
 namespace {
 
 // A leader silent for this long has lost its reference, or runs other software.
-constexpr std::int64_t kSilent_us = 3'000'000;
+constexpr std::int64_t kLeaderSilent_us = 3'000'000;
 // A boat whose leader's reference is older than kOld_us starts its own branch. It rejoins only
 // after kSteady_us of references younger than kYoung_us, so that a deep boat on a bad radio does
 // not alternate.
@@ -52,7 +52,7 @@ void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
 }
 
 const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
-  return word_ && now_us - word_->heard_us < kSilent_us ? &*word_ : nullptr;
+  return word_ && now_us - word_->heard_us < kLeaderSilent_us ? &*word_ : nullptr;
 }
 
 /// The leader's recent message, if we sail in its branch.

@@ -12,7 +12,6 @@ namespace {
 using core::Q16;
 
 constexpr int kReach_m = 4000, kOriginReach_m = 100'000;
-constexpr Q16 kRounding = Q16(0.02);  // of clearances, m
 
 constexpr std::string_view kOutside = "outside the fence", kNear = "too near the fence",
                            kWay = "path crosses the fence", kWayNear = "path is too near the fence",
@@ -161,7 +160,7 @@ std::string_view Fence::refusal_of(const convert::Position& here,
   if (!(Q16(0) < now)) return "the boat is outside the fence";
   if (!(Q16(0) < way)) return kWay;
   const Length margin = core::min(convert::scalar<Q16>(margin_m), now);
-  return way + kRounding < margin ? kWayNear : std::string_view{};
+  return way + kFenceRounding < margin ? kWayNear : std::string_view{};
 }
 
 std::string_view Fence::refusal_of(const convert::GlobalPoint& place, float margin_m) const {
@@ -170,7 +169,7 @@ std::string_view Fence::refusal_of(const convert::GlobalPoint& place, float marg
   if (!at) return kFar;
   const Length clear = clearance(*at);
   if (!(Q16(0) < clear)) return kOutside;
-  return clear + kRounding < convert::scalar<Q16>(margin_m) ? kNear : std::string_view{};
+  return clear + kFenceRounding < convert::scalar<Q16>(margin_m) ? kNear : std::string_view{};
 }
 
 std::string_view Fence::refusal_of(const convert::GlobalPoint& from, const convert::GlobalPoint& to,
@@ -180,7 +179,7 @@ std::string_view Fence::refusal_of(const convert::GlobalPoint& from, const conve
   if (!a || !b) return kFar;
   const Length way = clearance(*a, *b);
   if (!(Q16(0) < way)) return kWay;
-  return way + kRounding < convert::scalar<Q16>(margin_m) ? kWayNear : std::string_view{};
+  return way + kFenceRounding < convert::scalar<Q16>(margin_m) ? kWayNear : std::string_view{};
 }
 
 }  // namespace flotilla::app

@@ -13,6 +13,8 @@
 
 namespace flotilla::app {
 
+constexpr core::Q16 kFenceRounding = core::Q16(0.02);  ///< of clearances, m
+
 class Fence {
  public:
   using Length = core::Q16;

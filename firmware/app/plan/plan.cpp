@@ -2,7 +2,6 @@
 #include "app/plan/plan.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "app/plan/voyage.hpp"
 
@@ -12,9 +11,7 @@ namespace {
 namespace mav = link::mav;
 
 constexpr float kOctagon = 1.0824F;  // distance of its corners / of its sides, from the centre
-constexpr float kLargestRadius_m = 100, kSlowest_mps = 0.05F, kFastest_mps = 5;
-/// Unused parameters are NaN.
-float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
+constexpr float kLargestRadius_m = 100, kSlowest_mps = 0.05F;
 
 bool is_within(float param, float most) { return or_zero(param) >= 0 && or_zero(param) <= most; }
 
@@ -57,7 +54,7 @@ PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
   const float speed_mps = or_zero(item.param[1]);
   if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "param1 is not 0 or 1"};
   if (speed_mps < 0) return {};  // −1: no change, −2: the default
-  if (speed_mps < kSlowest_mps || !(speed_mps <= kFastest_mps)) {
+  if (speed_mps < kSlowest_mps || !(speed_mps <= kPlanFastest_mps)) {
     return {mav::kMissionInvalidParam2, "speed not 0.05 to 5 m/s"};
   }
   if (fastest_mps > 0 && speed_mps > fastest_mps) {
@@ -151,7 +148,7 @@ bool is_global(std::uint8_t frame) {
 
 bool is_speed(double mps, const PlanDefaults& defaults) {
   const bool limited = defaults.fastest_mps > 0;
-  const float most = limited ? std::min(defaults.fastest_mps, kFastest_mps) : kFastest_mps;
+  const float most = limited ? std::min(defaults.fastest_mps, kPlanFastest_mps) : kPlanFastest_mps;
   return mps >= double{kSlowest_mps} && mps <= double{most};
 }
 

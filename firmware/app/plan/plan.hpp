@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -24,6 +25,9 @@ struct PlanItem {
 };
 static_assert(sizeof(PlanItem) == 32);
 
+/// An item's parameter; those that are not used are NaN.
+inline float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
+
 using Plan = std::span<const PlanItem>;
 
 /// Speed and radius where the plan gives none, and the greatest speed that it may ask for.
@@ -33,6 +37,8 @@ using PlanDefaults = Configuration::Plan;
 constexpr float kPlanReach_m = 2000;
 /// The farthest that a boat may be from the place where its plan begins.
 constexpr float kPlanStart_m = 1000;
+/// No plan asks for a greater speed.
+constexpr float kPlanFastest_mps = 5;
 
 /// Longest wait at one place, also the sum of several: Q16.16 reaches to 32,767.
 constexpr float kLongestWait_s = 30'000;

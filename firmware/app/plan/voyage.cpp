@@ -2,7 +2,6 @@
 #include "app/plan/voyage.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "app/convert/convert_scalar.hpp"
@@ -15,11 +14,9 @@ namespace mav = link::mav;
 
 constexpr float kShare = 0.8F, kLeastShare = 0.1F, kGreatestRadius_m = 500;
 constexpr int kLeastRadius_m = 5;
-constexpr float kFastest_mps = 5, kFastest_radps = 2;
+constexpr float kFastest_radps = 2;
 constexpr int kTries = 3;
 constexpr int kRest_s = 3, kTurn_s = 15, kReturn_s = 180;
-
-float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
 
 bool goes_far(Manoeuvre manoeuvre) {
   using enum Manoeuvre;
@@ -47,7 +44,7 @@ PlanFault fault_of_voyage(const PlanItem& item) {
 VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
                    const Configuration::Stopping& stopping) {
   const float share = or_zero(item.param[0]), radius_m = or_zero(item.param[1]);
-  const float fastest_mps = defaults.fastest_mps > 0 ? defaults.fastest_mps : kFastest_mps;
+  const float fastest_mps = defaults.fastest_mps > 0 ? defaults.fastest_mps : kPlanFastest_mps;
   const float braking_s = fastest_mps / (2 * stopping.brake_mps2);
   return {.radius_m = radius_m > 0 ? radius_m : defaults.room_m,
           .share = share > 0 ? share : kShare,

@@ -10,9 +10,8 @@ namespace {
 
 using core::Q16;
 
-constexpr int kPerTick = 2;           // bends or legs that are judged
-constexpr float kCut = 0.25F;         // share of the margin by which the vessel may cut a bend
-constexpr Q16 kRounding = Q16(0.02);  // of clearances, m
+constexpr int kPerTick = 2;    // bends or legs that are judged
+constexpr float kCut = 0.25F;  // share of the margin by which the vessel may cut a bend
 
 Q16 distance(const Fence::Place& a, const Fence::Place& b) {
   return core::hypot(a.x - b.x, a.y - b.y);
@@ -40,7 +39,7 @@ void WayRound::begin(const Fence& fence, const convert::Position& here, const Ta
 
 /// Distance of a bend from the fence, so that the rounded bend keeps the margin.
 WayRound::Length WayRound::off() const {
-  return convert::scalar<Q16>((1 + kCut) * margin_m_) + kRounding;
+  return convert::scalar<Q16>((1 + kCut) * margin_m_) + kFenceRounding;
 }
 
 void WayRound::forward(const Fence& fence) {
@@ -62,7 +61,7 @@ void WayRound::collect(const Fence& fence) {
     if (!close_next()) stop();
     return;
   }
-  if (fence.clearance(*bend) + kRounding < keep_) return;
+  if (fence.clearance(*bend) + kFenceRounding < keep_) return;
   if (!(distance(*bend, nodes_[kBoat].place) < Q16(static_cast<int>(kErrandReach_m)))) return;
   if (count_ == nodes_.size()) return stop();
   nodes_[count_++] = {.place = *bend};
@@ -89,7 +88,7 @@ bool WayRound::close_next() {
 
 bool WayRound::sees(const Fence& fence, const Node& a, const Node& b) const {
   const Length way = fence.clearance(a.place, b.place);
-  return Q16(0) < way && !(way + kRounding < keep_);
+  return Q16(0) < way && !(way + kFenceRounding < keep_);
 }
 
 void WayRound::search(const Fence& fence) {

@@ -15,7 +15,15 @@ from sil.scenario import scenario
 from sil.scenario.law import Law
 
 
-@pytest.mark.parametrize("delay_s", agreement.DELAYS_S)
+@pytest.mark.parametrize(
+    "delay_s",
+    [
+        pytest.param(
+            late_s, marks=pytest.mark.nightly if 0 < k < len(agreement.DELAYS_S) - 1 else ()
+        )
+        for k, late_s in enumerate(agreement.DELAYS_S)
+    ],
+)
 @pytest.mark.parametrize("law", ["product", "paper"])
 def test_a_chain_breaks_in_simulation_where_it_stops_being_certified(
     law: Law, delay_s: float
