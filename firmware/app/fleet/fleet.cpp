@@ -412,6 +412,16 @@ bool Fleet::may_claim(std::uint8_t system) const {
   return by_hand_ || !rank_in(table, system_) || is_of(*table, system);
 }
 
+/// Both boats' centres are then farther apart than half the sum of their lengths.
+std::optional<float> Fleet::reach_m(std::uint8_t system) const {
+  const auto own = rank_in(ledger_.current(), system_), other = rank_in(ledger_.current(), system);
+  if (!own || !other) return std::nullopt;
+  const int ours_dm = ledger_.current()->members[*own].length_dm;
+  const int theirs_dm = ledger_.current()->members[*other].length_dm;
+  if (ours_dm == 0 || theirs_dm == 0) return std::nullopt;
+  return 0.05F * static_cast<float>(std::max(theirs_dm - ours_dm, 0));
+}
+
 /// A beacon that differs from the last one is due at once.
 void Fleet::update_beacon(const FleetReport& report, std::int64_t now_us) {
   const FleetTable& newest = ledger_.newest();

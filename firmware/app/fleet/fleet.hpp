@@ -62,6 +62,9 @@ class Fleet {
   /// False for a system outside the table that assigns this boat its slot.
   bool may_claim(std::uint8_t system) const;
 
+  /// How far a member's hull reaches beyond this boat's, 0 if it is no longer; nullopt: unknown.
+  std::optional<float> reach_m(std::uint8_t system) const;
+
   /// The slot's motion while the shape changes.
   const SlotMotion& slot_motion() const { return slot_motion_; }
 
