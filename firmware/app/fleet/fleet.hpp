@@ -114,6 +114,7 @@ class Fleet {
   void take(const link::Received& received, const link::FleetTable& message, Trust trust,
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
+  void note_leader(FleetPeer& peer, const link::FleetBeacon& beacon) const;
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;

@@ -22,7 +22,7 @@ from sil.fleet.tables import assigned, shape_places
 from sil.scenario.formation import Formation, slots
 from sil.wire import signing
 from sil.wire.fleet_table import Beacon, beacon_of
-from sil.wire.heartbeat import HOLD
+from sil.wire.heartbeat import HOLD, MANUAL
 from sil.wire.mavlink_ear import Ear
 from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import FLEET_TABLE
@@ -402,6 +402,28 @@ def test_of_two_operators_the_newer_table_holds(waters: Waters) -> None:
         system=254, action="form", shape="column", spacing_m=4.5, boats=BOATS
     )
     assert status == 0 and words.startswith("table 2 ")
+
+
+def test_a_fleet_follows_a_leader_that_is_steered_by_hand(waters: Waters) -> None:
+    assert waters.command(action="form", shape="vee", spacing_m=4.5, boats=BOATS)[0] == 0
+    sail(waters, 20.0)
+    pilot, agent = Operator(), waters.agent(1)
+
+    def steer(ahead: float, for_s: float) -> None:
+        for _ in range(round(10.0 * for_s)):
+            waters.batch.fleet.hear(agent, pilot.sticks(1, ahead), waters.t_us)
+            sail(waters, 0.1)
+
+    steer(0.0, 1.0)
+    waters.batch.fleet.hear(agent, pilot.ask(1, mode_request(MANUAL)), waters.t_us)
+    steer(0.0, 1.0)
+    begin = waters.batch.bodies.eta[list(waters.batch.agents(0)), :2].copy()
+    steer(0.2, 30.0)
+    assert waters.states == ["MANUAL", *["FORMATION"] * 3]
+    ways = np.hypot(*(waters.batch.bodies.eta[list(waters.batch.agents(0)), :2] - begin).T)
+    assert ways.min() > 10.0
+    sail(waters, 5.0)  # without sticks
+    assert waters.states == ["HOLD", "LOITER", "FORMATION", "FORMATION"]
 
 
 def test_a_table_is_in_force_only_with_boats_that_follow_its_leader(waters: Waters) -> None:
