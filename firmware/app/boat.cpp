@@ -66,7 +66,7 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
     if (const auto* time = std::get_if<link::SystemTime>(&received_.message)) {
       learn_time(link, *time, now_us);
     } else {
-      pilot_.take(received_, link, now_us, counters_, fleet_.may_claim(received_));
+      pilot_.take(received_, link, now_us, counters_, fleet_.sender(received_));
     }
   }
 }

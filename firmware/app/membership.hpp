@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "app/fleet/fleet.hpp"
+#include "app/guidance/sender.hpp"
 #include "app/operator/vehicle.hpp"
 
 namespace flotilla::app {
@@ -35,10 +36,16 @@ class Membership {
   /// applied() has changed since the last call.
   [[nodiscard]] bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
-  /// Whether a slot that the message claims may be the own one.
-  bool may_claim(const link::Received& received) const {
-    return !kKeepsFleet || !std::holds_alternative<link::FormationReference>(received.message) ||
-           fleet().may_claim(received.from.system);
+  /// The sender of a message that is to be taken.
+  Sender sender(const link::Received& received) const {
+    Sender sender;
+    if (!kKeepsFleet) return sender;
+    if (std::holds_alternative<link::FormationReference>(received.message)) {
+      sender.may_claim = fleet().may_claim(received.from.system);
+    } else if (link::tells_motion(received.message)) {
+      sender.reach_m = fleet().reach_m(received.from.system);
+    }
+    return sender;
   }
   SlotMotion slot_motion() const { return kKeepsFleet ? fleet().slot_motion() : SlotMotion{}; }
 

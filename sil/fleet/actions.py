@@ -23,7 +23,7 @@ from sil.fleet.orders import (
 )
 from sil.fleet.shape_change import change
 from sil.fleet.station import STALE_S, Station
-from sil.fleet.tables import told_epochs, warnings_of
+from sil.fleet.tables import epoch_at, told_epochs, warnings_of
 from sil.wire.geodesy import LocalFrame
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER, RTL
 from sil.wire.operator import ARM, DISARM, mode_request
@@ -112,7 +112,7 @@ def _stop(station: Station, wish: Wish, console: Console) -> int:
     if not answers and not strangers:
         show(console, _nobody(station), "bold red")
         return 1
-    for warning in warnings_of(told_epochs(station, asked)):
+    for warning in warnings_of(told_epochs(station, asked), epoch_at(station.unix_s())):
         show(console, warning, "bold yellow")
     status = _report(station, answers, "stopped and disarmed", console)
     for boat in strangers:

@@ -50,21 +50,28 @@ class End(Protocol):
 
 
 class Clock(Protocol):
-    """The current time, and a way to wait."""
+    """The current time, the date, and a way to wait."""
 
     def now_s(self) -> float:
         """The current time from an arbitrary origin, s."""
+
+    def unix_s(self) -> float:
+        """The date and time of day, s since 1970 (UTC)."""
 
     def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
         """Wait at most `for_s`; return the ends that have received something."""
 
 
 class RealTime:
-    """The monotonic clock."""
+    """The computer's clocks."""
 
     def now_s(self) -> float:
         """The current time, s."""
         return time.monotonic()
+
+    def unix_s(self) -> float:
+        """The date and time of day, s."""
+        return time.time()
 
     def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
         """Wait for the descriptors."""

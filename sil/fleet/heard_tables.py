@@ -16,6 +16,7 @@ class HeardTables:
 
     def __init__(self) -> None:
         self._of: dict[tuple[int, int], HeardTable] = {}
+        self._last: dict[tuple[int, int], HeardTable] = {}
 
     def hear(self, data: bytes) -> None:
         """Process whole frames."""
@@ -26,9 +27,14 @@ class HeardTables:
             sender = system, component
             if not sound or (len(self._of) >= _MOST_SENDERS and sender not in self._of):
                 continue
-            told = heard_table(frame)
+            told = self._last[sender] = heard_table(frame)
             known = self._of[sender].places if sender in self._of else {}
             self._of[sender] = told._replace(places=known | told.places)
+
+    def whole(self, epoch: int, digest: int) -> HeardTable | None:
+        """The table with this epoch and digest, if it is the last one of any sender."""
+        last = self._last.values()
+        return next((it for it in last if (it.epoch, it.digest) == (epoch, digest)), None)
 
     def of(self, senders: Collection[tuple[int, int]]) -> HeardTable:
         """The tables of these senders (system, component), merged: a newer one overrides."""

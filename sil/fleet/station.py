@@ -112,6 +112,10 @@ class Station:
         """The station's time."""
         return self._clock.now_s() - self._began_s
 
+    def unix_s(self) -> float:
+        """The date and time of day, s since 1970 (UTC)."""
+        return self._clock.unix_s()
+
     def boats(self) -> list[int]:
         """System ids of the Flotilla boats: those whose autopilot's heartbeat was ever heard."""
         return sorted(self._autopilots.keys())
@@ -164,6 +168,10 @@ class Station:
         """Close all ends."""
         for end in self._ends:
             end.close()
+
+    def whole_table(self, epoch: int, digest: int) -> HeardTable | None:
+        """The table that boats report by this epoch and digest; None if none has passed it on."""
+        return self._tables.whole(epoch, digest)
 
     def table(self) -> HeardTable:
         """The members of all tables that this station has heard boats pass on."""

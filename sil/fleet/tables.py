@@ -16,6 +16,7 @@ from sil.wire.fleet_table import MOST_MEMBERS, Member, table_message
 
 LAST_EPOCH = 65535
 _FAR_ABOVE = 1000  # epochs; each table takes one
+_EPOCH_S = 600.0  # of the time of day; they begin again after 455 days
 _FARTHEST_M = 327.0  # on the wire, places are in cm, in 16 bits
 _APART_M = 10.0  # spacing in a table that stops boats whose places are unknown
 _GATHER_S = 1.5  # until all boats have sent a beacon
@@ -119,29 +120,39 @@ def told_epochs(station: Station, boats: Iterable[int]) -> dict[int, int]:
     return {boat: beacon.epoch for boat, beacon in told.items() if beacon and beacon.epoch}
 
 
-def doubtful_epochs(told: Mapping[int, int]) -> dict[int, int]:
-    """The epochs that one boat alone reports, far above those of all others."""
+def epoch_at(unix_s: float) -> int:
+    """The least epoch of a table made at this time, s since 1970.
+
+    So a boat that was away with an older session's table does not bring that table back.
+    """
+    return 1 + int(unix_s / _EPOCH_S) % LAST_EPOCH
+
+
+def doubtful_epochs(told: Mapping[int, int], least: int = 0) -> dict[int, int]:
+    """The epochs that one boat alone reports, far above those of all others and above `least`."""
     doubtful: dict[int, int] = {}
     by_epoch = sorted(told, key=lambda boat: told[boat])
-    while len(by_epoch) > 1 and told[by_epoch[-1]] - told[by_epoch[-2]] > _FAR_ABOVE:
+    while len(by_epoch) > 1:
+        if told[by_epoch[-1]] - max(told[by_epoch[-2]], least) <= _FAR_ABOVE:
+            break
         boat = by_epoch.pop()
         doubtful[boat] = told[boat]
     return doubtful
 
 
-def newest_epoch(told: Mapping[int, int]) -> int:
+def newest_epoch(told: Mapping[int, int], least: int = 0) -> int:
     """The greatest epoch that is not doubtful; 0: no boat has a table."""
-    doubtful = doubtful_epochs(told)
+    doubtful = doubtful_epochs(told, least)
     return max((epoch for boat, epoch in told.items() if boat not in doubtful), default=0)
 
 
-def warnings_of(told: Mapping[int, int]) -> list[str]:
+def warnings_of(told: Mapping[int, int], least: int = 0) -> list[str]:
     """A sentence for each boat whose epoch is doubtful."""
-    most = newest_epoch(told)
+    most = newest_epoch(told, least)
     return [
         f"boat {boat} alone reports table {epoch}, the others at most {most}: ignored; "
         f"restart boat {boat} if this persists"
-        for boat, epoch in sorted(doubtful_epochs(told).items())
+        for boat, epoch in sorted(doubtful_epochs(told, least).items())
     ]
 
 
@@ -177,7 +188,8 @@ class StopTable:
         count even if they are doubtful.
         """
         told = told_epochs(self._station, boats)
-        newest = max(newest_epoch(told), *(told.get(boat, 0) for boat in trusted), 0)
+        least = epoch_at(self._station.unix_s())
+        newest = max(newest_epoch(told, least), *(told.get(boat, 0) for boat in trusted), 0)
         now_s = self._station.now_s()
         if newest == 0 or not boats or now_s < _GATHER_S:
             return

@@ -44,6 +44,7 @@ class HeardTable(NamedTuple):
     epoch: int
     turns: bool
     places: dict[int, tuple[float, float]]
+    digest: int = 0
 
 
 class Beacon(NamedTuple):
@@ -87,7 +88,13 @@ def heard_table(frame: bytes) -> HeardTable:
     _, epoch, _, _, flags, _ = _TABLE.unpack_from(payload)
     members = takewhile(itemgetter(0), _MEMBER.iter_unpack(payload[_TABLE.size :]))
     places = {system: (0.01 * x_cm, 0.01 * y_cm) for system, _, _, _, x_cm, y_cm in members}
-    return HeardTable(epoch, bool(flags & _TURNS), places)
+    return HeardTable(epoch, bool(flags & _TURNS), places, digest_of(frame))
+
+
+def beacon_message(epoch: int, digest: int, sequence: int, sender: tuple[int, int]) -> bytes:
+    """A FLEET_BEACON frame of who has that table and is no member: boats send it a newer one."""
+    payload = _BEACON.pack(0, epoch, digest, 0, 0, 0, sequence)
+    return _frame(FLEET_BEACON, payload.rstrip(b"\0"), sender)
 
 
 def beacons(data: bytes) -> Iterator[tuple[int, Beacon]]:

@@ -19,6 +19,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
+from sil.fleet.shape_change import SLOTS_GUARDS
 from sil.lockstep.batch import Batch
 from sil.lockstep.start import RunError
 from sil.lockstep.world import sail as sail_runs
@@ -40,6 +41,8 @@ TURNING = 4  # a shape of so many boats turns with its leader; greater ones keep
 ROUTE_M = ((0.0, 0.0), (170.0, 0.0), (170.0, 170.0), (0.0, 170.0), (0.0, 0.0))
 CORNER_M, WP_RADIUS_M, SPEED_MPS = 20.0, 1.5, 0.6
 SPACING_M = 5.0  # at the start
+GUARD_M = 1.44  # FS_SEP_M of boats of `lead`
+SPACINGS_M = round(SLOTS_GUARDS * GUARD_M + 0.05, 1), 6.0  # from the least that a command forms
 SETTINGS = (
     "link.delay_s=0.1",
     "link.jitter_s=0.1",
@@ -155,7 +158,7 @@ def drawn(generator: np.random.Generator, boats: int, times: float = 1.0) -> Wis
     """A random shape for this many boats, `times` as large as for those of `lead`."""
     while True:
         shape: Shape = generator.choice(get_args(Shape))
-        spacing_m = round(float(generator.uniform(3.5, 6.0)), 1)
+        spacing_m = round(float(generator.uniform(*SPACINGS_M)), 1)
         try:
             places = slots(Formation(shape=shape, boats=boats, spacing_m=spacing_m))
         except ValueError:

@@ -9,6 +9,7 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::uint8_t kFit = 1, kLeads = 2;
+constexpr unsigned kHears = 2;  // first bit of the rank, from 1, of the leader that is heard
 
 // With eight boats' signed beacons: 253 bytes a second, 4.4 % of 57,600 Bd.
 constexpr std::int64_t kBeacon_us = 1'200'000;
@@ -40,6 +41,10 @@ std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 10
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
   return table->rank_of(system);
+}
+
+std::uint8_t rank_or_none(const FleetTable& table, std::uint8_t system) {
+  return static_cast<std::uint8_t>(table.rank_of(system).value_or(FleetTable::kMax));
 }
 
 bool is_of(const FleetTable& table, std::uint8_t system) {
@@ -208,8 +213,25 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   peer.fit = (beacon.flags & kFit) != 0;
   peer.leads = (beacon.flags & kLeads) != 0;
   peer.epoch = beacon.epoch;
-  if (*now_rank == succession_.leader() && peer.leads) {
+  note_leader(peer, beacon);
+  const std::size_t leader = succession_.leader();
+  const bool relays = peer.hears == leader && leader < peers_.size() && !peers_[leader].heard;
+  if ((*now_rank == leader && peer.leads) || relays) {
     place_ = {beacon.plan_id, beacon.plan_item};
+  }
+}
+
+/// The rank counts in the sender's newest table. If this boat does not have that one, the last
+/// report stays.
+void Fleet::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon) const {
+  const std::size_t told = beacon.flags >> kHears;
+  if (told == 0) peer.hears = FleetTable::kMax;
+  for (const FleetTable* table : {&ledger_.newest(), ledger_.current()}) {
+    if (table->epoch != beacon.epoch || table->digest != beacon.digest) continue;
+    if (told == 0 || told > table->count) continue;
+    const std::uint8_t leader = table->members[told - 1].system;
+    peer.hears = rank_or_none(*ledger_.current(), leader);
+    peer.behind = beacon.leader == leader;
   }
 }
 
@@ -241,7 +263,10 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   const FleetTable& table = *ledger_.current();
   for (std::size_t rank = 0; rank < table.count; ++rank) {
     if (const auto was = before.rank_of(table.members[rank].system)) {
-      peers_[rank] = peers[*was];
+      FleetPeer& peer = peers_[rank] = peers[*was];
+      if (peer.hears < before.count) {
+        peer.hears = rank_or_none(table, before.members[peer.hears].system);
+      }
       heard_[rank] = heard[*was];
     } else if (!table.members[rank].only_leads) {
       // A new member counts as fit and just heard until it falls silent.
@@ -256,7 +281,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
     attachment_ = is_of(table, own.leader) ? std::optional(Attachment{}) : std::nullopt;
     changed_ = true;
   }
-  succession_.begin(table);
+  succession_.begin(table, before);
   told_epoch_ = table.epoch;
 }
 
@@ -287,10 +312,11 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
     const bool follows = core::follows(state);
     const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
     const bool alone = core::sails_alone(state);
-    order = succession_.step(*table,
-                             {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_,
-                              drives, alone, ordered, by_hand_, alone && state != state_},
-                             std::span(peers_).first(table->count));
+    order = succession_.step(
+        *table,
+        {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_, drives, alone, ordered,
+         by_hand_, alone && state != state_, state == core::State::kManual},
+        std::span(peers_).first(table->count));
     if (succession_.leads() && order != FleetOrder::kLead) {
       place_ = state == core::State::kAuto ? report.place : FleetPlace{};
     }
@@ -412,6 +438,16 @@ bool Fleet::may_claim(std::uint8_t system) const {
   return by_hand_ || !rank_in(table, system_) || is_of(*table, system);
 }
 
+/// Both boats' centres are then farther apart than half the sum of their lengths.
+std::optional<float> Fleet::reach_m(std::uint8_t system) const {
+  const auto own = rank_in(ledger_.current(), system_), other = rank_in(ledger_.current(), system);
+  if (!own || !other) return std::nullopt;
+  const int ours_dm = ledger_.current()->members[*own].length_dm;
+  const int theirs_dm = ledger_.current()->members[*other].length_dm;
+  if (ours_dm == 0 || theirs_dm == 0) return std::nullopt;
+  return 0.05F * static_cast<float>(std::max(theirs_dm - ours_dm, 0));
+}
+
 /// A beacon that differs from the last one is due at once.
 void Fleet::update_beacon(const FleetReport& report, std::int64_t now_us) {
   const FleetTable& newest = ledger_.newest();
@@ -419,10 +455,14 @@ void Fleet::update_beacon(const FleetReport& report, std::int64_t now_us) {
   now.sequence = told_.sequence;
   now.epoch = newest.epoch;
   now.digest = newest.digest;
-  if (rank_in(ledger_.current(), system_)) {
+  if (const auto own = rank_in(ledger_.current(), system_)) {
+    const FleetTable& table = *ledger_.current();
+    const auto heard = succession_.heard_leader(table, *own, newest.epoch, peers_);
+    const auto hears = heard ? newest.rank_of(table.members[*heard].system) : std::nullopt;
     const bool fit = core::follows(report.state) && report.fit && !by_hand_;
     const bool leads = succession_.leads();
-    now.flags = static_cast<std::uint8_t>((fit ? kFit : 0U) | (leads ? kLeads : 0U));
+    now.flags = static_cast<std::uint8_t>((fit ? kFit : 0U) | (leads ? kLeads : 0U) |
+                                          (hears ? *hears + 1 : 0U) << kHears);
     now.leader = leads || !attachment_ ? std::uint8_t{0} : attachment_->leader;
     now.plan_id = place_.plan_id;
     now.plan_item = place_.item;

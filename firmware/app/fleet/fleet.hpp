@@ -62,6 +62,9 @@ class Fleet {
   /// False for a system outside the table that assigns this boat its slot.
   bool may_claim(std::uint8_t system) const;
 
+  /// How far a member's hull reaches beyond this boat's, 0 if it is no longer; nullopt: unknown.
+  std::optional<float> reach_m(std::uint8_t system) const;
+
   /// The slot's motion while the shape changes.
   const SlotMotion& slot_motion() const { return slot_motion_; }
 
@@ -111,6 +114,7 @@ class Fleet {
   void take(const link::Received& received, const link::FleetTable& message, Trust trust,
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
+  void note_leader(FleetPeer& peer, const link::FleetBeacon& beacon) const;
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/fleet/succession.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace flotilla::app {
@@ -24,10 +25,28 @@ std::size_t best_leader(const FleetTable& table, const FleetSelf& self,
   return best;
 }
 
+/// The first leader that another member hears and this boat does not; kNobody if there is none.
+std::size_t told_leader(std::size_t own, std::span<const FleetPeer> peers) {
+  std::size_t best = Succession::kNobody;
+  for (std::size_t rank = 0; rank < peers.size(); ++rank) {
+    const FleetPeer& peer = peers[rank];
+    if (rank == own || !peer.heard || peer.hears == own) continue;
+    if (peer.hears < peers.size() && !peers[peer.hears].heard) {
+      best = std::min<std::size_t>(best, peer.hears);
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
-void Succession::begin(const FleetTable& table) {
+void Succession::begin(const FleetTable& table, const FleetTable& before) {
+  const std::uint32_t known = under_way_ ? was_fit_ | out_ : 0;
   was_fit_ = out_ = 0;
+  for (std::size_t rank = 0; rank < table.count; ++rank) {
+    const auto was = before.rank_of(table.members[rank].system);
+    if (was && (known & bit(*was)) != 0) out_ |= bit(rank);  // until judge() finds it fit
+  }
   followed_.reset();
   leader_ = kNobody;
   stopping_ = false;
@@ -43,7 +62,7 @@ FleetOrder Succession::step(const FleetTable& table, const FleetSelf& self,
   if (self.by_hand || leads_) {
     followed_.reset();
   } else {
-    attach_to_leader(table, self.rank);
+    attach_to_leader(table, self.rank, peers);
   }
   return order(self);
 }
@@ -53,6 +72,7 @@ void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
   for (std::size_t rank = 0; rank < peers.size(); ++rank) {
     if (rank == own) continue;
     const bool fit = peers[rank].heard && (peers[rank].fit || peers[rank].leads);
+    if (fit && (was_fit_ & bit(rank)) == 0) out_ &= ~bit(rank);
     if (fit && peers[rank].epoch != 0) was_fit_ |= bit(rank);
     if (!fit && under_way_) out_ |= bit(rank) & was_fit_;
   }
@@ -61,28 +81,30 @@ void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
 void Succession::choose(const FleetTable& table, const FleetSelf& self,
                         std::span<const FleetPeer> peers) {
   const bool led = std::exchange(leads_, false), took = taking_;
-  const bool goes_on = led && self.alone;  // a leader does not use its slot
+  const bool goes_on = led && (self.alone || self.by_sticks);  // a leader does not use its slot
   const bool can_lead =
       table.members[self.rank].can_lead && (!self.by_hand || goes_on) && !stopping_;
   const std::size_t other = best_leader(table, self, peers);
+  const std::size_t told = told_leader(self.rank, peers);
   const bool has_epoch = other != kNobody && !table.members[other].only_leads;
   const bool older = has_epoch && peers[other].epoch < self.epoch;
   const bool newer = has_epoch && peers[other].epoch > self.epoch;
-  const bool yields = newer || (other < self.rank && !older);
+  const bool yields = newer || (other < self.rank && !older) || told < self.rank;
   yielding_ = (yielding_ && !self.begun) || (led && yields);
   if (taking_) {
     taking_ = self.fit && !self.alone;
     leads_ = taking_ || self.alone;
   } else {
-    leads_ = self.alone && (led || self.ordered);
+    leads_ = goes_on || (self.alone && self.ordered);
   }
-  if (other == kNobody && !led && under_way_ && self.fit && first_fit(table, self.rank, peers)) {
+  if (other == kNobody && told == kNobody && !led && under_way_ && self.fit &&
+      first_fit(table, self.rank, peers)) {
     leads_ = taking_ = can_lead;
   }
   leads_ = leads_ && can_lead && !yields;
   taking_ = taking_ && leads_;
-  leader_ = leads_ ? self.rank : other;
-  const bool resigns = led && !took && !self.alone;
+  leader_ = leads_ ? self.rank : other != kNobody ? other : told;
+  const bool resigns = led && !took && !goes_on;
   under_way_ = self.drives && ((under_way_ && !resigns) || leader_ != kNobody);
 }
 
@@ -97,7 +119,8 @@ bool Succession::first_fit(const FleetTable& table, std::size_t own,
 
 /// Follows the nearest working ancestor, else the fleet's leader. Keeps the last choice while no
 /// leader is known.
-void Succession::attach_to_leader(const FleetTable& table, std::size_t own) {
+void Succession::attach_to_leader(const FleetTable& table, std::size_t own,
+                                  std::span<const FleetPeer> peers) {
   std::optional<std::size_t> above = table.rank_of(table.members[own].leader);
   while (above && *above != leader_ && (out_ & bit(*above)) != 0) {
     above = table.rank_of(table.members[*above].leader);
@@ -107,8 +130,27 @@ void Succession::attach_to_leader(const FleetTable& table, std::size_t own) {
   if (!gone) {
     followed_ = above;
   } else if (leader_ != kNobody) {
-    followed_ = leader_;
+    followed_ = way_to_leader(own, peers);
   }
+}
+
+/// The leader, or if this boat does not hear it, a member that follows it.
+std::size_t Succession::way_to_leader(std::size_t own, std::span<const FleetPeer> peers) const {
+  if (peers[leader_].heard) return leader_;
+  for (std::size_t rank = 0; rank < peers.size(); ++rank) {
+    const FleetPeer& peer = peers[rank];
+    if (rank != own && peer.heard && peer.fit && peer.behind && peer.hears == leader_) return rank;
+  }
+  return leader_;
+}
+
+std::optional<std::size_t> Succession::heard_leader(const FleetTable& table, std::size_t own,
+                                                    std::uint16_t epoch,
+                                                    std::span<const FleetPeer> peers) const {
+  if (leader_ == kNobody || leader_ == own || !peers[leader_].heard) return std::nullopt;
+  const bool only_leads = table.members[leader_].only_leads;
+  const bool leads = only_leads || (peers[leader_].leads && peers[leader_].epoch >= epoch);
+  return leads ? std::optional(leader_) : std::nullopt;
 }
 
 std::uint64_t Succession::code() const {

@@ -17,6 +17,8 @@ struct FleetPeer {
   bool fit = false;         ///< follows in its slot, or could take over; as last reported
   bool leads = false;       ///< as last reported
   std::uint16_t epoch = 0;  ///< 0: no beacon yet, and may be fit
+  std::uint8_t hears = FleetTable::kMax;  ///< rank of the leader that it hears itself; kMax: none
+  bool behind = false;                    ///< it follows that leader itself
 };
 
 /// This boat.
@@ -29,6 +31,7 @@ struct FleetSelf {
   bool ordered = false;     ///< in AUTO or GUIDED, which only an operator or this class begins
   bool by_hand = false;     ///< an operator has set its leader or slot since the table came
   bool begun = false;       ///< `alone`, and the mode has changed since the last step
+  bool by_sticks = false;   ///< MANUAL
 };
 
 /// The rule's request to the boat's supervisor, repeated in each step until it is carried out.
@@ -43,14 +46,18 @@ enum class FleetOrder : std::uint8_t {
 /// is none, the first fit member that can lead takes over, but only once the fleet is under way:
 /// after a member has led it. A boat that has stopped since, or was told to follow instead of
 /// leading, counts it as under way only when a member leads again. A mode that an operator sets is
-/// never overridden. A failed member leaves the tree until the next table: its followers attach to
-/// its leader. It may still follow.
+/// never overridden; a leader that its operator steers by MANUAL goes on leading. A failed member
+/// leaves the tree until the next table, or, if it failed before this one, until it is fit again:
+/// its followers attach to its leader. It may still follow.
+///
+/// A leader that other members hear counts too, though this boat does not hear it: the boat then
+/// follows one of them that follows the leader itself, so that no circle can arise.
 class Succession {
  public:
   static constexpr std::size_t kNobody = FleetTable::kMax;
 
-  /// A table comes into force.
-  void begin(const FleetTable& table);
+  /// A table comes into force in place of `before`.
+  void begin(const FleetTable& table, const FleetTable& before);
 
   /// One step per tick. `peers`: by rank, this boat's own is not read.
   FleetOrder step(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
@@ -63,6 +70,11 @@ class Succession {
   /// Rank of the fleet's leader, possibly this boat's own; kNobody: none is known.
   std::size_t leader() const { return leader_; }
 
+  /// Rank of the leader if this boat hears it itself, and it has no older table than `epoch`.
+  std::optional<std::size_t> heard_leader(const FleetTable& table, std::size_t own,
+                                          std::uint16_t epoch,
+                                          std::span<const FleetPeer> peers) const;
+
   /// Rank of the member that this boat follows; nullopt: none is known, or the boat leads.
   std::optional<std::size_t> followed() const { return followed_; }
 
@@ -72,7 +84,8 @@ class Succession {
  private:
   void judge(std::span<const FleetPeer> peers, std::size_t own);
   void choose(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
-  void attach_to_leader(const FleetTable& table, std::size_t own);
+  void attach_to_leader(const FleetTable& table, std::size_t own, std::span<const FleetPeer> peers);
+  std::size_t way_to_leader(std::size_t own, std::span<const FleetPeer> peers) const;
   FleetOrder order(const FleetSelf& self);
   static bool first_fit(const FleetTable& table, std::size_t own, std::span<const FleetPeer> peers);
 
@@ -83,7 +96,8 @@ class Succession {
   bool stopping_ = false;
   std::size_t leader_ = kNobody;
   std::optional<std::size_t> followed_;
-  std::uint32_t was_fit_ = 0, out_ = 0;  // bit masks by rank; out_: has left the tree
+  // Bit masks by rank. out_: has left the tree; without was_fit_, before the table came.
+  std::uint32_t was_fit_ = 0, out_ = 0;
 };
 
 }  // namespace flotilla::app

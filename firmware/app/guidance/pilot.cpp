@@ -47,7 +47,7 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
 
 template <class S>
 void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
-                    link::Counters& counters, bool may_claim) {
+                    link::Counters& counters, const Sender& sender) {
   if (const auto* answer = std::get_if<link::Timesync>(&received.message)) {
     take_time(received.from, *answer, link, now_us);
     return;
@@ -62,9 +62,11 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
   }
   if (!link::tells_motion(received.message)) {
     reports_.hear(received, now_us);
-    claims_.hear(received, may_claim, reference_.place(), now_us);
+    claims_.hear(received, sender.may_claim, reference_.place(), now_us);
   }
-  if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
+  if (neighbours_.watches() && place != nullptr) {
+    neighbours_.take<S>(received, *place, now_us, sender.reach_m);
+  }
 }
 
 template <class S>

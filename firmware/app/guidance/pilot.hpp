@@ -9,6 +9,7 @@
 #include "app/convert/convert_telemetry.hpp"
 #include "app/guidance/fleet_reports.hpp"
 #include "app/guidance/reference.hpp"
+#include "app/guidance/sender.hpp"
 #include "app/guidance/slot_claims.hpp"
 #include "app/guidance/slot_follower.hpp"
 #include "app/navigation/neighbours.hpp"
@@ -34,9 +35,9 @@ class Pilot {
   void configure(const Configuration& configuration, const convert::Law<S>& law,
                  std::uint8_t own_system);
 
-  /// Takes any message; ignores those of unrelated vessels. may_claim: as SlotClaims has it.
+  /// Takes any message; ignores those of unrelated vessels.
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
-            link::Counters& counters, bool may_claim);
+            link::Counters& counters, const Sender& sender);
 
   /// The own unit is on another link than this one.
   bool own_is_elsewhere(std::size_t link) const { return own_.is_elsewhere(link); }

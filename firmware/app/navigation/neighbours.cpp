@@ -65,7 +65,7 @@ void Neighbours::configure(std::uint8_t own_system, std::uint8_t leader_system, 
 
 template <class S>
 void Neighbours::take_news(const link::Received& received, const convert::Position& own,
-                           std::int64_t now_us) {
+                           std::int64_t now_us, std::optional<float> reach_m) {
   const auto [system, component] = received.from;
   if (const auto* ship = std::get_if<link::AisVessel>(&received.message)) {
     take_ais<S>(*ship, own, now_us);
@@ -82,7 +82,8 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin);
   } else if (const auto sample = place_of<S>(received.message)) {
-    take_place(system, *sample, own, now_us);
+    Vessel* vessel = take_place(system, *sample, own, now_us);
+    if (vessel != nullptr && reach_m) vessel->reach_m = *reach_m;
   }
 }
 
@@ -312,7 +313,7 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
 #define FLOTILLA_INSTANTIATE(S)                                                                 \
   template void Neighbours::look_from<S>(const convert::Position&);                             \
   template void Neighbours::take_news<S>(const link::Received&, const convert::Position&,       \
-                                         std::int64_t);                                         \
+                                         std::int64_t, std::optional<float>);                   \
   template core::Traffic<S> Neighbours::traffic(const convert::Position&, const core::Vec2<S>&, \
                                                 std::int64_t) const;                            \
   template bool Neighbours::clear(const convert::Position&, const core::Vec2<S>&, std::int64_t) \

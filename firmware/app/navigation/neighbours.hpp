@@ -33,13 +33,15 @@ class Neighbours {
 
   bool watches() const { return watches_; }
 
-  /// Any message. Places are kept in the local frame of `own`. S: scalar of the computation.
+  /// Any message. Places are kept in the local frame of `own`. `reach_m`: half of the length by
+  /// which the sender's hull is longer than ours; nullopt: unknown. S: scalar of the computation.
   template <class S = double>
-  void take(const link::Received& received, const convert::Position& own, std::int64_t now_us) {
+  void take(const link::Received& received, const convert::Position& own, std::int64_t now_us,
+            std::optional<float> reach_m = std::nullopt) {
     if (own.origin.latitude != frame_.latitude || own.origin.longitude != frame_.longitude) {
       look_from<S>(own);
     }
-    if (may_tell(received)) take_news<S>(received, own, now_us);
+    if (may_tell(received)) take_news<S>(received, own, now_us, reach_m);
   }
 
   /// There are vessels around.
@@ -75,7 +77,7 @@ class Neighbours {
     bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
-    float reach_m = 0;  ///< of the hull beyond the position
+    float reach_m = 0;  ///< of a ship's hull beyond the position, or of a member's beyond ours
     Metres north_m, east_m;
     std::int64_t true_us = 0;       ///< when its state was true, by our clock
     std::int64_t ahead_us = 0;      ///< our clock minus its stamps, from its fastest message
@@ -95,7 +97,8 @@ class Neighbours {
     return system != own_system_ && autopilot_[system] == component;
   }
   template <class S>
-  void take_news(const link::Received& received, const convert::Position& own, std::int64_t now_us);
+  void take_news(const link::Received& received, const convert::Position& own, std::int64_t now_us,
+                 std::optional<float> reach_m);
   void take_heartbeat(link::Address from, const link::Heartbeat& message);
   void take_depth(link::Address from, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message);

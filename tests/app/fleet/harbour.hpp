@@ -23,8 +23,9 @@ struct Boat {
   std::int64_t clock_us = 0;  ///< its own clock's zero
   float most_mps = 1.5F;
   bool on = true;
-  bool may_follow = true;  ///< FORMATION is granted
-  std::uint8_t hears = 0;  ///< only that system; 0: all
+  bool may_follow = true;    ///< FORMATION is granted
+  std::uint8_t hears = 0;    ///< only that system; 0: all
+  std::uint8_t deaf_to = 0;  ///< does not hear that system
   FleetPlace place{77, 3};
   std::size_t bytes = 0;
   int stops = 0;
@@ -57,7 +58,9 @@ struct Harbour {
   void spread(std::size_t from, const link::Message& message, std::size_t bytes) {
     boats[from].bytes += bytes;
     for (std::size_t to = 0; to < boats.size(); ++to) {
-      const bool hears = boats[to].hears == 0 || boats[to].hears == boats[from].system;
+      const std::uint8_t system = boats[from].system;
+      const bool hears =
+          (boats[to].hears == 0 || boats[to].hears == system) && boats[to].deaf_to != system;
       if (to != from && boats[to].on && hears) hear(to, message, {boats[from].system, 1});
     }
   }

@@ -239,6 +239,80 @@ TEST_CASE("an inner boat in HOLD: its follower hangs on its leader until the nex
   CHECK(harbour.leader_of(2) == 2);
 }
 
+TEST_CASE("an inner boat that died before a table came keeps nobody, until it is back") {
+  Harbour harbour = under_way();
+  harbour.boats[1].on = false;
+  harbour.sail(3);
+  CHECK(harbour.leader_of(2) == 1);
+  harbour.hear(0, message_of(table_of_four(2), 0), kOperator);
+  harbour.sail(1);
+  REQUIRE(harbour.boats[2].fleet.take_epoch() == 2);
+  harbour.sail(2);
+  CHECK(harbour.leader_of(2) == 1);
+  harbour.boats[1].on = true;
+  harbour.sail(3);
+  CHECK(harbour.leader_of(2) == 2);
+}
+
+/// Boats 1 and 2 do not hear each other.
+void part_first_two(Harbour& harbour) {
+  harbour.boats[0].deaf_to = 2;
+  harbour.boats[1].deaf_to = 1;
+}
+
+TEST_CASE("a boat that does not hear the leader, but others that do, follows one of them") {
+  Harbour harbour = under_way();
+  part_first_two(harbour);
+  harbour.boats[0].place.item = 5;
+  for (int tick = 0; tick < 1000; ++tick) {
+    harbour.sail(0.01);
+    REQUIRE(harbour.boats[1].state == core::State::kFormation);
+  }
+  CHECK(harbour.leader_of(1) == 4);  // which follows the leader; boat 3 follows boat 2
+  CHECK(harbour.applied(1).FORM_OFS_N == 8);
+  CHECK(harbour.leader_of(2) == 2);
+  harbour.hear(0, message_of(table_of_four(2), 0), kOperator);
+  for (int tick = 0; tick < 500; ++tick) {
+    harbour.sail(0.01);
+    REQUIRE(harbour.boats[1].state == core::State::kFormation);
+  }
+  CHECK(harbour.leader_of(1) == 4);
+  CHECK(harbour.boats[1].fleet.place().item == 5);
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+  CHECK(harbour.leader_of(3) == 2);
+}
+
+TEST_CASE("two boats that lead and do not hear each other: one yields within two seconds") {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  REQUIRE(harbour.boats[1].state == core::State::kAuto);
+  part_first_two(harbour);
+  harbour.boats[0].on = true;
+  harbour.sail(2);
+  CHECK(harbour.boats[0].state == core::State::kAuto);
+  CHECK(harbour.boats[1].state == core::State::kFormation);
+  harbour.sail(3);
+  CHECK(harbour.leader_of(1) == 3);  // boat 2 has left the tree, so boat 3 follows the leader too
+  CHECK(harbour.leader_of(3) == 1);
+}
+
+TEST_CASE("a longer hull reaches farther, by half of the difference") {
+  FleetTable mixed = table_of_four(1);
+  mixed.members[0].length_dm = 49;
+  mixed.members[2].length_dm = 0;
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of(message_of(mixed, 0)), 0), kOperator);
+  harbour.sail(3);
+  CHECK(harbour.boats[1].fleet.reach_m(1) == doctest::Approx(1.8));
+  CHECK(harbour.boats[1].fleet.reach_m(4) == 0);
+  CHECK(harbour.boats[0].fleet.reach_m(2) == 0);
+  CHECK_FALSE(harbour.boats[1].fleet.reach_m(3));
+  CHECK_FALSE(harbour.boats[1].fleet.reach_m(9));
+}
+
 TEST_CASE("an operator's own leader or slot is above the table until the next one") {
   Harbour harbour = under_way();
   harbour.boats[2].own.east_m = 9;

@@ -156,6 +156,49 @@ TEST_CASE("a root that was no member before is replaced only if it stays silent"
   }
 }
 
+TEST_CASE("a leader that a pilot steers still leads: nobody else sails off on the plan") {
+  Harbour harbour = under_way();
+  harbour.boats[0].state = State::kManual;
+  for (int tick = 0; tick < 1000; ++tick) {
+    harbour.sail(0.01);
+    for (std::size_t i = 1; i < 4; ++i) REQUIRE(harbour.boats[i].state == State::kFormation);
+  }
+  CHECK(harbour.leader_of(1) == 1);
+  CHECK(harbour.boats[1].fleet.place().plan_id == 0);
+  harbour.boats[0].state = State::kAuto;
+  harbour.sail(3);
+  CHECK(harbour.boats[1].fleet.place().plan_id == 77);
+  harbour.boats[0].state = State::kManual;
+  harbour.sail(2);
+  harbour.boats[0].state = State::kHold;  // as when the sticks fall silent
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == State::kLoiter);
+}
+
+TEST_CASE("the rule takes no boat from a pilot: a leader in MANUAL yields the lead alone") {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  REQUIRE(harbour.boats[1].state == State::kAuto);
+  harbour.boats[1].state = State::kManual;
+  harbour.sail(2);
+  harbour.boats[0].on = true;
+  for (int tick = 0; tick < 500; ++tick) {
+    harbour.sail(0.01);
+    REQUIRE(harbour.boats[1].order == FleetOrder::kNone);
+  }
+  CHECK(harbour.leader_of(3) == 1);
+}
+
+TEST_CASE("a follower in MANUAL takes nothing over") {
+  Harbour harbour = under_way();
+  harbour.boats[1].state = State::kManual;
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  CHECK(harbour.boats[1].state == State::kManual);
+  CHECK(harbour.boats[2].state != State::kFormation);
+}
+
 TEST_CASE("a leader that its operator lets follow somebody else does not take over again") {
   Harbour harbour = under_way();
   harbour.boats[0].state = State::kFormation;

@@ -5,6 +5,7 @@
 // radio's timing does is among the histories.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdlib>
@@ -29,11 +30,14 @@ enum class Mode : std::uint8_t { kCrashed, kHold, kFollows, kAlone };
 struct Word {
   bool fit = false, leads = false;
   std::uint16_t epoch = 1;
+  std::uint8_t hears = FleetTable::kMax;
+  bool behind = false;
   bool operator==(const Word&) const = default;
 };
 
 struct Vessel {
   Mode mode = Mode::kFollows;
+  bool reports = true;  ///< the leader that it hears
   std::uint16_t epoch = 1;
   Succession rule;
   std::array<FleetPeer, kMaxBoats> peers{};
@@ -55,7 +59,8 @@ struct Limits {
   std::size_t boats = kMaxBoats;
   unsigned failures = 2, deafs = 2;
   bool splits = true;
-  std::uint16_t first = 1, last = kStopEpoch;                    ///< epochs
+  bool reports = true;                         ///< boats report the leader that they hear
+  std::uint16_t first = 1, last = kStopEpoch;  ///< epochs
   std::size_t states = std::numeric_limits<std::size_t>::max();  ///< breadth first, then cut off
 };
 
@@ -73,8 +78,12 @@ bool connected(const Node& n, std::size_t a, std::size_t b) {
   return (n.split >> a & 1U) == (n.split >> b & 1U);
 }
 
-Word word_of(const Vessel& v) {
-  return {v.mode == Mode::kFollows, v.mode == Mode::kAlone && v.rule.leads(), v.epoch};
+Word word_of(const Vessel& v, std::size_t rank) {
+  const auto heard = v.rule.heard_leader(table_at(v.epoch), rank, v.epoch, v.peers);
+  const auto hears = v.reports ? heard : std::nullopt;
+  return {v.mode == Mode::kFollows, v.mode == Mode::kAlone && v.rule.leads(), v.epoch,
+          static_cast<std::uint8_t>(hears.value_or(FleetTable::kMax)),
+          hears && v.rule.followed() == hears};
 }
 
 /// Steps a boat until it has done what its rule asks, and lets it speak.
@@ -104,15 +113,15 @@ void settle(Vessel& v, std::size_t rank, Bug bug) {
     }
     again = v.mode != was;
   }
-  const Word now = word_of(v);
+  const Word now = word_of(v, rank);
   if (now != v.said[0]) v.said = {now, v.said[0]};
 }
 
 void hear(Node& n, std::size_t who, std::size_t from, std::size_t word, Bug bug) {
   const Word& said = n.boats[from].said[word];
   FleetPeer& peer = n.boats[who].peers[from];
-  if (peer.heard && Word{peer.fit, peer.leads, peer.epoch} == said) return;
-  peer = {true, said.fit, said.leads, said.epoch};
+  if (peer.heard && Word{peer.fit, peer.leads, peer.epoch, peer.hears, peer.behind} == said) return;
+  peer = {true, said.fit, said.leads, said.epoch, said.hears, said.behind};
   settle(n.boats[who], who, bug);
 }
 
@@ -121,8 +130,8 @@ void take(Node& n, std::size_t who, std::uint16_t epoch, Bug bug) {
   Vessel& v = n.boats[who];
   const bool newer = is_newer(epoch, 0, FleetTable{.epoch = v.epoch});
   if (v.mode == Mode::kCrashed || (bug != Bug::kTakesOldTables ? !newer : epoch == v.epoch)) return;
+  v.rule.begin(table_at(epoch), table_at(v.epoch));
   v.epoch = epoch;
-  v.rule.begin(table_at(epoch));
   settle(v, who, bug);
 }
 
@@ -135,11 +144,12 @@ Node start(const Limits& limits) {
   for (std::size_t i = 0; i < boats; ++i) {
     Vessel& v = n.boats[i];
     v.epoch = limits.first;
+    v.reports = limits.reports;
     for (std::size_t j = 0; j < boats; ++j) v.peers[j] = {true, j != 0, j == 0, v.epoch};
-    v.rule.begin(table_at(v.epoch));
+    v.rule.begin(table_at(v.epoch), {});
     // Boat 1 was put into AUTO by its operator.
     v.rule.step(table_at(v.epoch), {i, v.epoch, i != 0, true, i == 0, i == 0, false}, v.peers);
-    v.said = {word_of(v), word_of(v)};
+    v.said = {word_of(v, i), word_of(v, i)};
   }
   return n;
 }
@@ -296,11 +306,12 @@ std::array<std::uint64_t, 2> print_of(const Node& n) {
   for (const Vessel& v : n.boats) {
     print.add(v.rule.code());
     std::uint64_t rest = static_cast<std::uint64_t>(v.mode) << 2U | v.epoch;
-    const auto add = [&rest](bool heard, bool fit, bool leads, std::uint16_t epoch) {
-      rest = rest << 5U | (heard ? 16U : 0U) | (fit ? 8U : 0U) | (leads ? 4U : 0U) | epoch;
+    const auto add = [&](bool heard, const Word& w) {
+      rest = rest << 9U | std::min<unsigned>(w.hears, 7) << 6U | (w.behind ? 32U : 0U) |
+             (heard ? 16U : 0U) | (w.fit ? 8U : 0U) | (w.leads ? 4U : 0U) | w.epoch;
     };
-    for (const FleetPeer& p : v.peers) add(p.heard, p.fit, p.leads, p.epoch);
-    for (const Word& w : v.said) add(true, w.fit, w.leads, w.epoch);
+    for (const FleetPeer& p : v.peers) add(p.heard, {p.fit, p.leads, p.epoch, p.hears, p.behind});
+    for (const Word& w : v.said) add(true, w);
     print.add(rest);
   }
   print.add((n.failures * 8ULL + n.deafs) << 16U | n.split << 8U | std::uint64_t{n.issued} << 1U |
@@ -382,9 +393,10 @@ void check(const Limits& limits) {
   const Found found = search(limits, Bug::kNone);
   const std::string_view which = found.whole ? "all" : "the nearest";
   const std::string_view split = limits.splits ? "a" : "no";
+  const std::string_view told = limits.reports ? "" : ", no reports of a leader";
   MESSAGE(which, " ", found.states, " states: ", limits.boats, " boats, ", limits.failures,
           " failures, ", limits.deafs, " false silences, ", split, " split, ",
-          limits.last - limits.first + 1, " tables");
+          limits.last - limits.first + 1, " tables", told);
   CHECK(found.broken.two_leaders == 0);
   CHECK(found.broken.not_the_best == 0);
   CHECK(found.broken.sails_after_stop == 0);
@@ -397,13 +409,16 @@ void check(const Limits& limits) {
 }
 
 TEST_CASE("no history of failures and of the radio makes two leaders, or loses a stop") {
-  check({.failures = 2, .deafs = 0, .splits = false, .last = 1});
-  check({.boats = 3, .failures = 1, .deafs = 0, .last = 1});
+  check({.failures = 2, .deafs = 0, .splits = false, .reports = false, .last = 1});
+  check({.boats = 3, .failures = 1, .deafs = 0, .reports = false, .last = 1});
+  check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .last = 1, .states = 100'000});
   check({.boats = 3, .failures = 0, .deafs = 0, .splits = false, .first = 2});
   check({.states = is_wide() ? 3'000'000U : 20'000U});
   if (!is_wide()) return;
-  check({.failures = 1, .deafs = 0, .last = 1});
-  check({.failures = 2, .deafs = 0, .last = 1});
+  check({.boats = 3, .failures = 1, .deafs = 0, .last = 1, .states = 3'000'000});
+  check({.failures = 2, .deafs = 0, .splits = false, .last = 1, .states = 3'000'000});
+  check({.failures = 1, .deafs = 0, .reports = false, .last = 1});
+  check({.failures = 2, .deafs = 0, .reports = false, .last = 1});
   check({.failures = 1, .deafs = 1, .splits = false, .last = 1, .states = 3'000'000});
   check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .first = 2, .states = 3'000'000});
 }

@@ -372,6 +372,22 @@ TEST_CASE("a ship at rest stays where it is for 6.5 minutes after its report") {
   }
 }
 
+TEST_CASE("a member's longer hull counts, until another length is known") {
+  Watch w;
+  const auto hear = [&](std::optional<float> reach_m) {
+    w.neighbours.take({{5, 1}, at(3, 0)}, w.own, 0, reach_m);
+  };
+  w.hear(5, beat());
+  hear(1.8F);
+  CHECK(w.look().vessels[0].margin == doctest::Approx(1.8));
+  CHECK_FALSE(w.neighbours.clear(w.own, core::Vec2<double>{}, 0));  // 3 m off, 1.5 + 1.8 m to keep
+  hear(std::nullopt);  // as by a table that stops all boats
+  CHECK(w.look().vessels[0].margin == doctest::Approx(1.8));
+  hear(0.0F);
+  CHECK(w.look().vessels[0].margin == 0);
+  CHECK(w.neighbours.clear(w.own, core::Vec2<double>{}, 0));
+}
+
 TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
   Watch w;
   link::AisVessel m = ship(40, 0);

@@ -22,7 +22,7 @@ from sil.fleet.tables import assigned, shape_places
 from sil.scenario.formation import Formation, slots
 from sil.wire import signing
 from sil.wire.fleet_table import Beacon, beacon_of
-from sil.wire.heartbeat import HOLD
+from sil.wire.heartbeat import HOLD, MANUAL
 from sil.wire.mavlink_ear import Ear
 from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import FLEET_TABLE
@@ -80,7 +80,7 @@ def test_status_tells_in_its_first_line_whether_all_is_well(waters: Waters) -> N
 
 
 def test_a_silent_boat_is_named_and_its_values_are_unknown(waters: Waters) -> None:
-    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    assert waters.command(action="form", shape="vee", spacing_m=4.5)[0] == 0
     waters.fault(3, "restart")
     waters.deaf.add(3)
     status, words = waters.command(action="status", boats=BOATS)
@@ -91,9 +91,9 @@ def test_a_silent_boat_is_named_and_its_values_are_unknown(waters: Waters) -> No
 
 
 def test_a_shape_is_taken_under_way(waters: Waters) -> None:
-    form(waters, "diamond", 4.0)
+    form(waters, "diamond", 4.5)
     sail(waters, 40.0)
-    assert off_m(waters, "diamond", 4.0) < 0.5
+    assert off_m(waters, "diamond", 4.5) < 0.5
     form(waters, "line", 5.0)
     sail(waters, 40.0)
     assert off_m(waters, "line", 5.0) < 0.5
@@ -106,29 +106,29 @@ def test_boats_exchange_their_places_without_a_stop(seed: int) -> None:
     waters = Waters(loss=0.1, seed=seed + 1, boat_loss=0.2)
     nearest_m = math.inf
     for shape in ("diamond", "vee", "column"):
-        form(waters, shape, 4.0)
+        form(waters, shape, 4.5)
         for _ in range(50):
             sail(waters, 1.0)
             pairs = combinations(waters.places(), 2)
             nearest_m = min(nearest_m, *(math.dist(*pair) for pair in pairs))
         assert waters.states == ["AUTO", *["FORMATION"] * 3]
-        assert off_m(waters, shape, 4.0) < 0.5
+        assert off_m(waters, shape, 4.5) < 0.5
     assert nearest_m > 1.44  # the guard
 
 
 def test_places_of_a_file_are_taken(waters: Waters, tmp_path: Path) -> None:
     file = tmp_path / "own.toml"
-    file.write_text("places_m = [[0, 0], [-6, 1.5], [-3, -3], [-3, 4]]\n")
+    file.write_text("places_m = [[0, 0], [-6, 1.5], [-3, -4], [-3, 5]]\n")
     form(waters, str(file))
     sail(waters, 40.0)
-    for wanted in ((0, 0), (-6, 1.5), (-3, -3), (-3, 4)):
+    for wanted in ((0, 0), (-6, 1.5), (-3, -4), (-3, 5)):
         assert min(math.dist(wanted, place) for place in waters.places()) < 0.5
 
 
 def test_the_first_of_those_named_leads(waters: Waters) -> None:
     order = (2, 1, 3, 4)
     waters.command(action="hold")
-    assert waters.command(action="form", shape="column", spacing_m=4.0, boats=order)[0] == 0
+    assert waters.command(action="form", shape="column", spacing_m=4.5, boats=order)[0] == 0
     status, words = waters.command(action="loiter")
     assert status == 0 and "boat 2 leads" in words
     assert waters.state(2) == "LOITER"
@@ -137,7 +137,7 @@ def test_the_first_of_those_named_leads(waters: Waters) -> None:
 
 
 def test_an_order_to_the_leader_moves_the_fleet(waters: Waters) -> None:
-    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    assert waters.command(action="form", shape="vee", spacing_m=4.5)[0] == 0
     assert waters.command(action="loiter")[0] == 0
     assert waters.states == ["LOITER", *["FORMATION"] * 3]
     eta = waters.batch.bodies.eta[waters.agent(1), :2].copy()
@@ -159,7 +159,7 @@ def test_go_waits_for_the_place_of_the_boat_that_is_named(waters: Waters) -> Non
 
 
 def test_hold_and_follow_again(waters: Waters) -> None:
-    waters.command(action="form", shape="vee", spacing_m=4.0)
+    waters.command(action="form", shape="vee", spacing_m=4.5)
     assert waters.command(action="hold")[0] == 0
     assert waters.states == ["HOLD"] * 4
     assert waters.command(action="auto")[0] == 0
@@ -171,10 +171,10 @@ def test_hold_and_follow_again(waters: Waters) -> None:
 
 def test_after_a_hold_boats_wait_for_a_leader_in_any_order(waters: Waters) -> None:
     """Also for one that has followed those which follow it now."""
-    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    assert waters.command(action="form", shape="vee", spacing_m=4.5)[0] == 0
     sail(waters, 5.0)
     waters.command(action="hold")
-    assert waters.command(action="form", shape="vee", spacing_m=4.0, boats=(2, 1, 3, 4))[0] == 0
+    assert waters.command(action="form", shape="vee", spacing_m=4.5, boats=(2, 1, 3, 4))[0] == 0
     sail(waters, 3.0)
     assert waters.command(action="follow", boats=(1, 3, 4))[0] == 0
     sail(waters, 20.0)
@@ -199,7 +199,7 @@ def test_who_does_not_arm_says_why(waters: Waters) -> None:
 @pytest.mark.parametrize("table", [False, True])
 def test_stop_disarms_all(waters: Waters, table: bool) -> None:
     if table:
-        waters.command(action="form", shape="vee", spacing_m=4.0)
+        waters.command(action="form", shape="vee", spacing_m=4.5)
     assert waters.command(action="stop")[:2] == (0, "4 of 4 stopped and disarmed\n")
     assert waters.states == ["DISARMED"] * 4
     sail(waters, 10.0)
@@ -288,7 +288,7 @@ def test_a_text_is_printed_as_it_is_but_commands_no_terminal(waters: Waters) -> 
 
 def test_a_stop_reaches_a_boat_that_the_operators_radio_does_not(waters: Waters) -> None:
     """By the fleet's table, which members hand on."""
-    waters.command(action="form", shape="vee", spacing_m=4.0)
+    waters.command(action="form", shape="vee", spacing_m=4.5)
     sail(waters, 5.0)
     waters.deaf.add(4)
     status, words = waters.command(action="stop", boats=BOATS)
@@ -317,7 +317,7 @@ def test_a_stop_waits_for_nobody(waters: Waters) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_a_radio_that_loses_a_third_carries_all_of_it(seed: int) -> None:
     waters = Waters(loss=0.3, seed=seed + 1, boat_loss=0.3)
-    assert waters.command(action="form", shape="diamond", spacing_m=4.0, boats=BOATS)[0] == 0
+    assert waters.command(action="form", shape="diamond", spacing_m=4.5, boats=BOATS)[0] == 0
     assert waters.command(action="loiter", boats=(1,))[0] == 0
     assert waters.command(action="hold", boats=BOATS)[0] == 0
     assert waters.states == ["HOLD"] * 4
@@ -382,7 +382,7 @@ def test_who_signs_with_another_key_is_told_from_who_signs_at_another_time(
 
 
 def test_a_boat_that_restarts_is_armed_and_formed_again(waters: Waters) -> None:
-    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    assert waters.command(action="form", shape="vee", spacing_m=4.5)[0] == 0
     waters.fault(4, "restart")
     sail(waters, 8.0)
     waters.fault(4, "restart", over=True)
@@ -397,11 +397,33 @@ def test_a_boat_that_restarts_is_armed_and_formed_again(waters: Waters) -> None:
 
 
 def test_of_two_operators_the_newer_table_holds(waters: Waters) -> None:
-    assert waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)[0] == 0
+    assert waters.command(action="form", shape="vee", spacing_m=4.5, boats=BOATS)[0] == 0
     status, words = waters.command(
-        system=254, action="form", shape="column", spacing_m=4.0, boats=BOATS
+        system=254, action="form", shape="column", spacing_m=4.5, boats=BOATS
     )
     assert status == 0 and words.startswith("table 2 ")
+
+
+def test_a_fleet_follows_a_leader_that_is_steered_by_hand(waters: Waters) -> None:
+    assert waters.command(action="form", shape="vee", spacing_m=4.5, boats=BOATS)[0] == 0
+    sail(waters, 20.0)
+    pilot, agent = Operator(), waters.agent(1)
+
+    def steer(ahead: float, for_s: float) -> None:
+        for _ in range(round(10.0 * for_s)):
+            waters.batch.fleet.hear(agent, pilot.sticks(1, ahead), waters.t_us)
+            sail(waters, 0.1)
+
+    steer(0.0, 1.0)
+    waters.batch.fleet.hear(agent, pilot.ask(1, mode_request(MANUAL)), waters.t_us)
+    steer(0.0, 1.0)
+    begin = waters.batch.bodies.eta[list(waters.batch.agents(0)), :2].copy()
+    steer(0.2, 30.0)
+    assert waters.states == ["MANUAL", *["FORMATION"] * 3]
+    ways = np.hypot(*(waters.batch.bodies.eta[list(waters.batch.agents(0)), :2] - begin).T)
+    assert ways.min() > 10.0
+    sail(waters, 5.0)  # without sticks
+    assert waters.states == ["HOLD", "LOITER", "FORMATION", "FORMATION"]
 
 
 def test_a_table_is_in_force_only_with_boats_that_follow_its_leader(waters: Waters) -> None:
@@ -411,7 +433,7 @@ def test_a_table_is_in_force_only_with_boats_that_follow_its_leader(waters: Wate
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sil.fleet.station.beacon_of", beacon)
-        wish: dict[str, Any] = {"shape": "vee", "spacing_m": 4.0, "boats": (2, 1, 3, 4)}
+        wish: dict[str, Any] = {"shape": "vee", "spacing_m": 4.5, "boats": (2, 1, 3, 4)}
         status, words = waters.command(action="form", **wish)
     assert status == 1 and words.startswith("table 1 is in force with 1 of 4 boats")
     assert "boat 3: does not report that it follows boat 2" in words
@@ -480,15 +502,15 @@ def test_strangers_are_no_boats(waters: Waters) -> None:
     ("wish", "said"),
     [
         (
-            {"shape": "vee", "spacing_m": 1.5},
-            "places 1 and 2 are 1.50 m apart, the least is 2.16 m",
+            {"shape": "vee", "spacing_m": 4.1},
+            "places 1 and 2 are 4.10 m apart, the least is 4.18 m",
         ),
         ({"shape": "vee"}, "vee: --spacing M is missing"),
         ({"shape": "vee", "spacing_m": math.nan}, "must be greater than 0"),
-        ({"shape": "ve", "spacing_m": 4.0}, 'unknown shape "ve"; did you mean "vee"?'),
+        ({"shape": "ve", "spacing_m": 4.5}, 'unknown shape "ve"; did you mean "vee"?'),
         ({"shape": "vee", "spacing_m": 400.0}, "the place of boat 4 is over 327 m from boat 1's"),
-        ({"shape": "vee", "spacing_m": 4.0, "boats": (1, 2, 9)}, "boat 9 is not heard"),
-        ({"shape": "diamond", "spacing_m": 4.0, "boats": (1, 2, 3)}, "use 1 or 4 instead of 3"),
+        ({"shape": "vee", "spacing_m": 4.5, "boats": (1, 2, 9)}, "boat 9 is not heard"),
+        ({"shape": "diamond", "spacing_m": 4.5, "boats": (1, 2, 3)}, "use 1 or 4 instead of 3"),
     ],
 )
 def test_what_cannot_be_formed_is_refused(waters: Waters, wish: dict[str, Any], said: str) -> None:

@@ -6,26 +6,26 @@ from collections.abc import Sequence
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sil.fleet.ends import End
+from sil.fleet.ends import End, Peer
 from sil.fleet.orders import stop
-from sil.fleet.tables import doubtful_epochs, newest_epoch
-from sil.wire.fleet_table import Member, table_message
+from sil.fleet.tables import doubtful_epochs, epoch_at, newest_epoch, star
+from sil.wire.fleet_table import Member, digest_of, table_message
 from sil.wire.mavlink_messages import FLEET_TABLE
-from tests.sil.fleet.waters import BOATS, Waters, beacon_message, heard
+from tests.sil.fleet.waters import BOATS, Air, Waters, beacon_message, heard
 
 
 @pytest.fixture
 def waters() -> Waters:
     """Boats with table 1, in shape."""
     waters = Waters(boat_loss=0.0)
-    assert waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)[0] == 0
+    assert waters.command(action="form", shape="vee", spacing_m=4.5, boats=BOATS)[0] == 0
     waters.wait((), 10.0)
     return waters
 
 
 def form_after(waters: Waters, frame: bytes) -> tuple[int, str]:
     """`form`, which hears this frame first."""
-    return waters.command(strange=[frame], action="form", shape="line", spacing_m=4.0, boats=BOATS)
+    return waters.command(strange=[frame], action="form", shape="line", spacing_m=4.5, boats=BOATS)
 
 
 def test_a_strangers_beacon_takes_no_epoch(waters: Waters) -> None:
@@ -54,6 +54,65 @@ def test_a_high_epoch_that_boats_really_hold_counts(told: dict[int, int], newest
     assert not doubtful_epochs(told)
 
 
+def test_an_epoch_of_today_is_above_yesterdays() -> None:
+    noon_s = 1_800_000_000
+    assert epoch_at(noon_s + 86400) == epoch_at(noon_s) + 144
+    assert {epoch_at(0.0), epoch_at(600.0 * 65535)} == {1}
+    assert epoch_at(600.0 * 65535 - 1.0) == 65535
+    assert not doubtful_epochs({1: 3, 2: 30_000}, least=29_500)
+
+
+def test_a_boat_with_an_older_sessions_table_does_not_bring_it_back() -> None:
+    waters = Waters(boat_loss=0.0)
+    waters.date_s = 1_800_000_000.0
+    for shape in ("vee", "line", "vee"):
+        assert waters.command(action="form", shape=shape, spacing_m=4.5, boats=BOATS)[0] == 0
+    waters.fault(4, "radio_silent")
+    for over in (False, True):
+        for boat in BOATS[:3]:
+            waters.fault(boat, "restart", over=over)
+        waters.wait((), 8.0)
+    waters.date_s += 86_400.0
+    waters.command(action="form", shape="line", spacing_m=4.5, boats=BOATS[:3])
+    waters.fault(4, "radio_silent", over=True)
+    waters.wait((), 10.0)
+    station = waters.station()
+    station.run(3.0)
+    told = {boat: station.last_beacon(boat) for boat in BOATS}
+    assert {it.epoch for it in told.values() if it} == {epoch_at(waters.date_s)}
+
+
+@pytest.mark.parametrize("formed", [False, True])
+def test_of_two_operators_at_once_one_is_told_that_its_table_lost(*, formed: bool) -> None:
+    """Both ask for a table with the same epoch; the boats hear the other one's first."""
+    waters = Waters(boat_loss=0.0)
+    if formed:
+        assert waters.command(action="form", shape="vee", spacing_m=4.5, boats=BOATS)[0] == 0
+        waters.wait((), 30.0)
+    places = [(0.0, 0.0), (-9.0, 0.0), (-18.0, 0.0), (-27.0, 0.0)]
+    for digit in range(9):  # the digest must win, too
+        other = star(BOATS, [(x, 0.1 * digit) for x, _ in places], [1.2] * 4)
+        frame = table_message(1 + formed, other, assign=formed, in_s=3.0, sender=(254, 190))
+        if formed or digest_of(frame) > 0x6000:
+            break
+    send = Air.send
+    rivals: list[bytes] = []
+
+    def second(air: Air, ours: bytes, peer: Peer) -> None:
+        if FLEET_TABLE.to_bytes(3, "little") == ours[7:10] and not rivals:
+            rivals.append(frame)
+            for boat in BOATS:
+                waters.batch.fleet.hear(waters.agent(boat), frame, waters.t_us)
+            waters.wait((), 2.0)
+        send(air, ours, peer)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Air, "send", second)
+        status, words = waters.command(action="form", shape="line", spacing_m=4.5, boats=BOATS)
+    assert status == 1
+    assert words.startswith(f"table {1 + formed} of another station is in force, not this line")
+
+
 def test_a_fleet_with_a_high_epoch_is_formed_and_stopped(waters: Waters) -> None:
     members = [Member(1, 0, (0.0, 0.0), 1.3)]
     members += [Member(boat, 1, (-4.0 * boat, 0.0), 1.3) for boat in BOATS[1:]]
@@ -61,7 +120,7 @@ def test_a_fleet_with_a_high_epoch_is_formed_and_stopped(waters: Waters) -> None
     for boat in BOATS:
         waters.batch.fleet.hear(waters.agent(boat), table, waters.t_us)
     waters.wait((), 5.0)
-    status, words = waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)
+    status, words = waters.command(action="form", shape="vee", spacing_m=4.5, boats=BOATS)
     assert status == 0 and words.startswith("table 60001 is in force with 4 of 4 boats")
     waters.deaf = {4}
     waters.command(action="stop", boats=BOATS)
@@ -77,7 +136,7 @@ def test_a_boat_that_alone_tells_a_high_epoch_is_named(waters: Waters) -> None:
         return told
 
     waters.wait = flooded
-    status, words = waters.command(action="form", shape="line", spacing_m=4.0, boats=BOATS)
+    status, words = waters.command(action="form", shape="line", spacing_m=4.5, boats=BOATS)
     assert status == 1 and "table 2 is in force with 3 of 4 boats" in words
     assert "boat 2 alone reports table 65534, the others at most 1: ignored" in words
     status, words = waters.command(action="stop")

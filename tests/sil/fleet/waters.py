@@ -28,7 +28,7 @@ BOATS = (1, 2, 3, 4)
 SETTINGS = (
     "leader.waypoints=[[0, 0], [70, 0], [70, 50], [0, 50]]",
     "formation.shape=vee",
-    "formation.spacing_m=4.0",
+    "formation.spacing_m=4.5",
     "link.everyone=true",
     "link.delay_s=0.1",
 )
@@ -53,10 +53,14 @@ class Waters:
         self.deaf: set[int] = set()
         self.dice = random.Random(seed)
         self.airs: list[Air] = []
+        self.date_s = 0.0
         self.wait((), 1.0)  # until all have said something
 
     def now_s(self) -> float:
         return 1e-6 * self.t_us
+
+    def unix_s(self) -> float:
+        return self.date_s
 
     def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
         """Sail on for so long; the ends at which something came."""
