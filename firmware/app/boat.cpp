@@ -353,8 +353,17 @@ void Boat<S>::learn(std::int64_t now_us, S dt) {
     learning_ = {};
     return;
   }
+  const core::AllocationParams<S>& propellers = pilot_.law().propellers;
+  const auto& propulsion = configuration().propulsion;
+  // A propeller that stands still in its dead band would look like drag; one that is stuck is weak.
+  const auto given = [&](S thrust, std::uint8_t esc) {
+    const bool dead = can_.rests(esc) && core::abs(thrust) < S(0.125) * propellers.F;
+    return dead ? S(0) : thrust;
+  };
+  const core::Thrust<S> thrust{given(thrust_.thrust.port, propulsion.port_esc),
+                               given(thrust_.thrust.stbd, propulsion.stbd_esc)};
   // Summed in the law's scalar: float is slow where a processor has none.
-  core::impulse_forward(learning_, thrust_.given, dt);
+  core::impulse_forward(learning_, core::wrench_of(propellers, thrust), dt);
   if (learning_.time < S(ModelMonitor::kSample_s)) return;
   const auto of = [](S x) { return convert::in_float(x); };
   const auto [sum, time] = std::exchange(learning_, {});

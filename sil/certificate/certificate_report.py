@@ -112,6 +112,10 @@ def _loops(case: Case) -> Iterable[tuple[str, str]]:
     yield "  slowest is in", ", ".join([*loop.slowest][:_SHOWN])
     yield "  decay with LAW_OBS_BW =\n    LAW_CUR_BW = 0 (1/s)", f"{loop.decay_of_law:z.4f}"
     yield "  neutral modes (hull at rest)", str(loop.neutral)
+    wrong = loop.misled
+    yield "  current along the leg wrong by\n    (m/s)", f"±{wrong.wrong_mps:.2g}" if wrong else "–"
+    yield "    moves the boat by (m)", f"{wrong.off_m:.4f}" if wrong else ""
+    yield "    changes a thrust by (N)", f"{wrong.thrust_N:.4f}" if wrong else ""
     x, y, psi = loop.error
     yield "  off the slot (m)", f"{math.hypot(x, y):.4f}" if loop.steady else "not steady"
     yield "    heading (°)", f"{math.degrees(psi):.3f}" if loop.steady else ""

@@ -222,6 +222,7 @@ def _sail(loop: Loop, ticks: int, wanted: Container[int] = ()) -> tuple[Array, l
     for tick, row, there in zip(count, rows, slot, strict=True):
         if tick in wanted:
             states.append(loop.state[0])
-        total += np.abs(loop.eta[0] - there)
+        off = loop.eta[0] - there
+        total += np.abs([off[0], off[1], np.remainder(off[2] + np.pi, 2.0 * np.pi) - np.pi])
         loop.step(row)
     return total / ticks, states

@@ -6,14 +6,18 @@ multipliers are those of all boats together. A link's delay and rate only shift 
 of its leader: they are outside every loop, and no multiplier depends on them. The rate of a boat's
 own fixes is inside.
 
-Two kinds of multipliers do not concern the law and are left out. The first are those of modes that
-stay in the firmware's memory and never move the boat. The second, behind a leader at rest, are
-those at 1 that the hull has under any thrusts (Popov, Belevitch and Hautus: rank [A − I B]): a boat
-without way on cannot move sideways. The latter are counted as `neutral`.
+Three kinds of multipliers are left out of `decay`. The first are those of modes that stay in the
+firmware's memory and never move the boat. The second, behind a leader at rest, are those at 1 that
+the hull has under any thrusts (Popov, Belevitch and Hautus: rank [A − I B]): a boat without way on
+cannot move sideways. They are counted as `neutral`. The third is the current along a straight leg.
+The observer learns the current c from its push across the bow only, so that on one heading ψ the
+product [cos ψ  sin ψ] c never changes (`core/estimation/observer.hpp`): it is the left eigenvector
+of a multiplier that is exactly 1. Such a mode neither grows nor decays before the next turn. Its
+effect is measured by sailing on with a wrong estimate (`Misled`).
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -21,7 +25,7 @@ import numpy.typing as npt
 from scipy import linalg
 
 from sil.certificate import monodromy
-from sil.certificate.loop import COMPONENTS, Boat
+from sil.certificate.loop import COMPONENTS, Boat, Loop, leader_rows
 from sil.certificate.monodromy import Points
 from sil.plant import hull
 from sil.plant.hull import Array
@@ -34,7 +38,27 @@ _STATIONARY = 1e-7
 _SHOWN = 6
 _ROUNDING = 1e-11
 _PART = 0.1
+_CURRENT = [COMPONENTS.index(f"current {way}") for way in ("north", "east")]
+_ONLY = 1e-5  # greatest part of anything else in the left eigenvector of the current along a leg
+_MISLED_S, _UNDER_WAY_MPS = 120.0, 0.05
 ESTIMATES = ("LAW_CUR_BW", "LAW_OBS_BW")
+
+
+@dataclass(frozen=True)
+class Misled:
+    """The effect of a wrong estimate of the current along a straight leg, until the next turn.
+
+    `wrong_mps`: the error, of either sign, as large as the scenario's current: the estimate begins
+    at 0, and what it learns across the bow only makes its error smaller. `off_m`, `thrust_N`:
+    greatest change of a boat's place and of a propeller's thrust after half of `_MISLED_S`, in
+    which the observer and the law adapt to the error that is put in; `limited`: a propeller was at
+    its limit.
+    """
+
+    wrong_mps: float
+    off_m: float
+    thrust_N: float
+    limited: bool
 
 
 @dataclass(frozen=True)
@@ -45,9 +69,10 @@ class SampledLoop:
     1/s, negative for growth. `decay_of_law`: the same with `ESTIMATES` 0, because the estimates of
     current and unknown forces have modes of their own, which the gains hardly affect. `decays`: the
     slowest ones. `slowest`: components of the state with their shares of the slowest mode, the
-    largest first. `steady`: the boat reached a regime that repeats itself without a propeller at
-    its limit (`limited`), and was linearised there, otherwise on its slot. `error` (3): mean
-    |deviation| from the slot north, east and in heading, m, m, rad.
+    largest first. `misled`: None without a current, or if all of it is observable. `steady`: the
+    boat reached a regime that repeats itself without a propeller at its limit (`limited`), and was
+    linearised there, otherwise on its slot. `error` (3): mean |deviation| from the slot north, east
+    and in heading, m, m, rad.
     """
 
     window_s: float
@@ -57,6 +82,7 @@ class SampledLoop:
     decays: list[float]
     slowest: dict[str, float]
     neutral: int
+    misled: Misled | None
     steady: bool
     limited: bool
     error: list[float]
@@ -94,6 +120,7 @@ def sampled_loop(boat: Boat, at_rest: bool) -> tuple[SampledLoop, Points]:
         decays=modes.decays[:_SHOWN],
         slowest=modes.slowest,
         neutral=found,
+        misled=_misled(boat, regime.points[0]),
         steady=regime.steady,
         limited=regime.limited,
         error=regime.error.tolist(),
@@ -152,7 +179,10 @@ def _modes(boat: Boat, points: Points) -> _Modes:
     factors = factors[:, kept][:, :, kept]
     partial, scale = monodromy.products(factors, points.cycles)
     values, left, right = linalg.eig(partial[-1], left=True, right=True)
-    seen = np.flatnonzero(monodromy.visible(values, right, partial))
+    visible = monodromy.visible(values, right, partial)
+    if _straight(points):
+        visible &= ~_of_current(values, left, kept)
+    seen = np.flatnonzero(visible)
     # smaller values are rounding errors
     seen = seen[np.abs(values[seen]) > _ROUNDING * np.abs(values[seen]).max()]
     logs = np.log(np.abs(values[seen]))
@@ -161,6 +191,48 @@ def _modes(boat: Boat, points: Points) -> _Modes:
     from_one = np.abs(values[seen] * math.exp(min(scale, 300.0)) - 1.0)
     length_s = int(points.cycles.sum()) * boat.cycle * boat.h_s
     return _Modes((-logs / length_s).tolist(), from_one.tolist(), slowest)
+
+
+def _straight(points: Points) -> bool:
+    """Whether the boat sails on one heading."""
+    return len(points.ticks) == 1 and math.hypot(*points.states[0, 3:5]) > _UNDER_WAY_MPS
+
+
+def _of_current(
+    values: monodromy.Complex, left: monodromy.Complex, kept: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.bool_]:
+    """Mask of the modes at 1 that conserve a component of the estimated current."""
+    size = np.abs(left)
+    others = ~np.isin(np.flatnonzero(kept), _CURRENT)
+    only = size[others].max(axis=0) < _ONLY * size.max(axis=0)
+    return np.asarray((np.abs(values - 1.0) < monodromy.NEAR_ONE) & only)
+
+
+def _misled(boat: Boat, points: Points) -> Misled | None:
+    """Sail on with the estimate as it is, and with both that are wrong by the current."""
+    wrong_mps = math.hypot(*boat.current)
+    estimates = boat.parameters.get("LAW_CUR_BW", 0.0) > 0.0
+    if not (estimates and wrong_mps > 0.0 and _straight(points)):
+        return None
+    states = np.repeat(points.states, 3, axis=0)
+    psi = points.states[0, 2]
+    ahead = np.array([np.cos(psi), np.sin(psi)])
+    states[1:, _CURRENT] += np.outer(
+        [wrong_mps, -wrong_mps] + ahead @ (boat.current - states[0, _CURRENT]), ahead
+    )
+    loop = Loop(boat, 3)
+    loop.resume(int(points.ticks[0]), states)
+    count = round(_MISLED_S * boat.rate_hz)
+    off_m = thrust_N = 0.0
+    times_s: Array = boat.h_s * (loop.tick + np.arange(count, dtype=np.float64))
+    for k, row in enumerate(leader_rows(boat.leader, times_s)):
+        if 2 * k == count:
+            loop.limited = False
+        loop.step(row)
+        if 2 * k >= count:
+            off_m = max(off_m, float(np.hypot(*(loop.eta[1:, :2] - loop.eta[0, :2]).T).max()))
+            thrust_N = max(thrust_N, float(np.abs(loop.thrust[1:] - loop.thrust[0]).max()))
+    return Misled(wrong_mps, off_m, thrust_N, loop.limited)
 
 
 def _shares(names: npt.NDArray[np.str_], part: Array) -> dict[str, float]:
@@ -176,4 +248,4 @@ def _without(modes: _Modes, neutral: int) -> tuple[_Modes, int]:
     dropped = {j for j in near if modes.from_one[j] < monodromy.NEAR_ONE}
     rest = [j for j in range(len(modes.decays)) if j not in dropped]
     decays, from_one = ([of[j] for j in rest] for of in (modes.decays, modes.from_one))
-    return _Modes(decays, from_one, modes.slowest), len(dropped)
+    return replace(modes, decays=decays, from_one=from_one), len(dropped)

@@ -8,8 +8,10 @@ import flotilla
 
 from sil.certificate.certificate import Case, Certificate, Leg
 from sil.certificate.chain import Chain, too_deep
+from sil.certificate.sampled import Misled
 from sil.lockstep.metrics import SETTLED_M
 
+_LEAST = 0.001  # m, N: smaller effects are told as this
 _IN_SLOT_M = 0.2  # least limit of the permanent distance; a boat's own is FS_SLOT_M / 5, if more
 
 
@@ -37,6 +39,9 @@ def sentence(certificate: Certificate) -> str:
     neutral = [case for _, case in cases if case.sampled.neutral]
     if neutral:
         text += "; while the leader is at rest, errors abeam stay as they are" + _up_to(neutral)
+    misled = [case.sampled.misled for _, case in cases if case.sampled.misled]
+    if misled:
+        text += f"; {_misled(misled)}"
     worst = max((case for _, case in cases), key=_off_m)
     if _off_m(worst) > SETTLED_M:
         text += f"; but {name(worst.boats)}: {_off_m(worst):.2f} m off the slot permanently"
@@ -57,6 +62,10 @@ def _failures(certificate: Certificate) -> Iterator[str]:
     for leg, case in cases:
         if case.sampled.outcome == "stays":
             yield f"{name(case.boats)}: some error never decays{_why(leg, case)}" + _leg(leg, where)
+    for leg, case in cases:
+        wrong = case.sampled.misled
+        if wrong and (wrong.limited or not _off_m(case) + wrong.off_m <= _in_slot_m(leg, case)):
+            yield f"{name(case.boats)}: {_misled([wrong])}" + _leg(leg, where)
     for leg, case in cases:
         if not case.sampled.steady:
             limit = ", a propeller at its limit" if case.sampled.limited else ""
@@ -85,6 +94,20 @@ def _up_to(cases: list[Case]) -> str:
     if any(own["LAW_XT_DIST"] * own["LAW_KX"] == 0.0 for own in every):
         return ""
     return f" up to {1.5 * max(own['LAW_XT_DIST'] for own in every):g} m"
+
+
+def _misled(every: list[Misled]) -> str:
+    """The effect of the current along straight legs, which is not observable there."""
+    wrong_mps, off_m, thrust_N = (
+        max(getattr(one, name) for one in every) for name in ("wrong_mps", "off_m", "thrust_N")
+    )
+    limit = ", a propeller at its limit" if any(one.limited for one in every) else ""
+    return (
+        "the current along a straight leg is not measured, and an error of its estimate stays "
+        f"until the next turn: {wrong_mps:.2g} m/s of it moves a boat by at most "
+        f"{max(off_m, _LEAST):.2g} m and changes a thrust by at most "
+        f"{max(thrust_N, _LEAST):.2g} N{limit}"
+    )
 
 
 def _off_m(case: Case) -> float:

@@ -18,8 +18,9 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.batch import Batch
 from sil.lockstep.world import Run, sail
-from sil.scenario import scenario
+from sil.scenario import presets, scenario
 from sil.wire.mavlink_frames import frames
+from tests.loop.presets import BOATS, WEATHER, alike
 
 BALANCE, DRAG, YAW = "LRN_BAL", "LRN_DRAG", "LRN_YAWD"
 _WORDS = {"weak": BALANCE, "Drag": DRAG, "Yaw": YAW}
@@ -44,6 +45,8 @@ FLEETS: dict[str, tuple[str, ...]] = {
     "turning": ("turning",),
     "straight": ("straight",),
     "windy": ("noisy", *WINDY),
+    **{name: ("mixed", *alike(name)) for name in presets.names()},
+    "blueboat in weather": ("mixed", *alike("blueboat"), *WEATHER),
 }
 
 
@@ -95,6 +98,17 @@ def times(fleet: str, number: str, factor: float) -> Wrong:
     keys = {DRAG: ("d11", "d11_quadratic"), YAW: ("d33", "d33_quadratic", "d33_speed")}[number]
     changes = tuple(f"vessel.{key}={getattr(own, key) * factor!r}" for key in keys)
     return Wrong(fleet, f"{keys[0]} × {factor:g}", changes, number, factor)
+
+
+def preset_drag(name: str, factor: float) -> Wrong:
+    """Four boats of a hull by name, with that many times its drag."""
+    own = presets.load(name).vessel
+    changes = tuple(
+        f"boat.{boat}.vessel.{key}={getattr(own, key) * factor!r}"
+        for boat in range(1, BOATS + 1)
+        for key in ("d11", "d11_quadratic")
+    )
+    return Wrong(name, f"d11 × {factor:g}", changes, DRAG, factor)
 
 
 def _file(fleet: str) -> tuple[str, list[str]]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from sil.scenario import presets
 from tests.loop import learning
 from tests.loop.learning import BALANCE, DRAG, YAW, Learnt, Wrong
 
@@ -45,6 +46,22 @@ def test_every_boat_tells_the_number_that_is_wrong_and_no_other(case: Wrong) -> 
 @pytest.mark.parametrize("fleet", ["noisy", "sea", "windy"])
 def test_boats_that_are_as_they_are_told_tell_nothing(fleet: str) -> None:
     assert not texts(learning.learnt(fleet, (), [1], 5.0))
+
+
+@pytest.mark.parametrize(
+    ("fleet", "minutes"), [*((name, 5.0) for name in presets.names()), ("blueboat in weather", 8.0)]
+)
+def test_hulls_with_their_own_numbers_accuse_none_of_them(fleet: str, minutes: float) -> None:
+    told = texts(learning.learnt(fleet, (), [1], minutes))
+    # a BlueBoat's propellers differ, and its parameters do not know it
+    assert [text for text in told if "THR_BALANCE" not in text] == []
+
+
+@pytest.mark.parametrize("hull", presets.names())
+def test_a_drag_that_is_wrong_is_found_on_every_hull(hull: str) -> None:
+    case = learning.preset_drag(hull, 1.7)
+    runs = learning.learnt(case.fleet, case.changes, [1], 5.0)
+    assert learning.judged(case, runs).found == 1.0, texts(runs)
 
 
 def test_a_text_names_propeller_share_time_and_what_to_set() -> None:

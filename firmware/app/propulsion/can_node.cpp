@@ -124,6 +124,7 @@ void CanNode::judge(Esc& esc, std::int64_t since_us) {
   if (esc.status.current >= kDraws_A) esc.measures = true;
   const bool draws_none = esc.measures && esc.status.current < kDraws_A;
   longer(esc.turns_ms, zeros && !draws_none && std::abs(esc.status.rpm) >= kTurns_rpm);
+  if (std::abs(esc.status.rpm) >= kTurns_rpm) esc.counts = true;
   longer(esc.obeyed_ms, esc.drives_ms < kRunDown_ms && esc.turns_ms < kWindmills_ms);
 }
 
@@ -133,6 +134,11 @@ bool CanNode::escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_u
     return esc.obeyed_ms * std::int64_t{1000} + now_us - esc.heard_us >= kObeysAgain_us;
   };
   return obeys(port) && obeys(stbd);
+}
+
+bool CanNode::rests(std::uint8_t index) const {
+  const Esc& esc = escs_[index % escs_.size()];
+  return esc.counts && std::abs(esc.status.rpm) < kTurns_rpm;
 }
 
 std::optional<link::EscStatus> CanNode::esc_status(std::uint8_t index, std::int64_t now_us) const {

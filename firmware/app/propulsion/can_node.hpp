@@ -46,6 +46,9 @@ class CanNode {
   /// The ESC's last status; nothing after 3 s of silence.
   std::optional<link::EscStatus> esc_status(std::uint8_t index, std::int64_t now_us) const;
 
+  /// The ESC's propeller is at rest. Never true of an ESC that has not measured a rotation.
+  bool rests(std::uint8_t index) const;
+
   /// Another node has commanded or armed ESCs within the last two seconds.
   bool foreign_controller(std::int64_t now_us) const;
 
@@ -73,6 +76,7 @@ class CanNode {
     std::uint8_t node = 0;
     bool driven = false;    ///< commanded to turn since its last status
     bool measures = false;  ///< has measured a current
+    bool counts = false;    ///< has measured a rotation
     // Durations up to its last status, ms, at most kMinute_ms:
     std::uint16_t zeros_ms = 0;   ///< commanded to stop
     std::uint16_t drives_ms = 0;  ///< driving although commanded to stop

@@ -61,6 +61,20 @@ struct Bus {
   bool obey() const { return node.escs_obey(0, 1, now_us); }
 };
 
+TEST_CASE(
+    "a propeller rests where its ESC counts no turns, but not where it has never counted any") {
+  Bus bus;
+  bus.run(1);
+  CHECK_FALSE(bus.node.rests(0));
+  bus.rpm = -864;
+  bus.run(1);
+  CHECK_FALSE(bus.node.rests(0));
+  bus.rpm = 290;
+  bus.run(1);
+  CHECK(bus.node.rests(0));
+  CHECK_FALSE(bus.node.rests(1));
+}
+
 TEST_CASE("an ESC that drives while disarmed is found out within a second") {
   Bus bus;
   CHECK(bus.run(3) == -1);

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from sil.certificate import floquet, sampled
+from sil.certificate import floquet, monodromy, sampled
 from sil.certificate.sampled import SampledLoop, quick_decay, sampled_loop, uncontrollable
 from sil.report.figures import REFERENCE as NOMINAL_RUN
 from sil.scenario.law import Law
@@ -63,6 +63,32 @@ def test_on_a_straight_leg_the_papers_law_leaves_the_error_abeam_and_the_product
     assert papers.outcome == "stays" and not papers.holds and papers.neutral == 0
     assert papers.radius == pytest.approx(1.0, abs=1e-6)
     assert examined(SINE, law="product").holds
+
+
+def on_a_straight_leg(current_mps: str, **changed: float) -> SampledLoop:
+    return examined(SINE, f"water.current_mps={current_mps}", law="product", **changed)
+
+
+def test_current_along_a_straight_leg_stays_unknown_without_an_effect_and_all_else_decays() -> None:
+    found = on_a_straight_leg("[0.07, 0.07]", LAW_CUR_BW=0.1, LAW_OBS_BW=2.0)
+    assert found.holds and found.decay > 0.05
+    assert found.misled and found.misled.wrong_mps == pytest.approx(0.099, abs=0.001)
+    assert 0.0 < found.misled.off_m < 0.005 and found.misled.thrust_N < 1e-4
+    assert not found.misled.limited
+    assert on_a_straight_leg("[0.07, 0.07]", LAW_CUR_BW=0.0, LAW_OBS_BW=2.0).misled is None
+
+
+def test_error_abeam_that_never_decays_is_not_taken_for_the_current(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(monodromy, "_MOST_SAIL_S", 60.0)
+    found = on_a_straight_leg("[0.07, 0.07]", LAW_CUR_BW=0.1, LAW_OBS_BW=2.0, LAW_XT_DIST=0.0)
+    assert found.outcome == "stays" and not found.holds
+
+
+def test_estimate_nearly_as_wrong_as_the_boat_is_fast_moves_it_far() -> None:
+    found = on_a_straight_leg("[0.4, 0.1]", LAW_CUR_BW=0.1, LAW_OBS_BW=2.0)
+    assert found.misled and found.misled.off_m > 0.5
 
 
 @pytest.mark.parametrize("law", ["paper", "product"])

@@ -8,20 +8,27 @@ import pytest
 
 from sil.certificate import chain, margins, search, verdict
 from sil.certificate.certificate import Certificate, certify
+from sil.certificate.sampled import Misled
 from sil.scenario import scenario
+from sil.scenario.law import Law
 from tests.sil.certificate.made_up import SINE
 
 
-@pytest.fixture(scope="module")
-def straight() -> Certificate:
+def quick_certificate(name: str, overrides: list[str], law: Law | None) -> Certificate:
+    """Without search and margins."""
     patch = pytest.MonkeyPatch()
     patch.setattr(search, "SEARCH_CYCLES", 0)
     patch.setattr(margins, "STEPS", 0)
     patch.setattr(chain, "MOST_DEPTH", 0)
     try:
-        return certify(scenario.load("diamond", [SINE], "product"), {}, lambda what, share: None)
+        return certify(scenario.load(name, overrides, law), {}, lambda what, share: None)
     finally:
         patch.undo()
+
+
+@pytest.fixture(scope="module")
+def straight() -> Certificate:
+    return quick_certificate("diamond", [SINE], "product")
 
 
 def with_loop(certificate: Certificate, **changes: Any) -> Certificate:
@@ -51,6 +58,28 @@ def test_what_is_wrong_is_said(straight: Certificate, changes: dict[str, Any], s
     assert not verdict.holds(wrong)
     assert verdict.sentence(wrong).startswith("not certified")
     assert said in verdict.sentence(wrong)
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"), [("lead", []), ("square", ["formation.boats=2", "fault=[]"])]
+)
+def test_plans_with_straight_legs_in_a_current_are_certified_and_its_unknown_part_is_told(
+    name: str, overrides: list[str]
+) -> None:
+    found = quick_certificate(name, overrides, None)
+    assert verdict.holds(found)
+    assert "current along a straight leg is not measured" in verdict.sentence(found)
+
+
+@pytest.mark.parametrize(
+    ("off_m", "limited", "holds"), [(0.01, False, True), (1.1, False, False), (0.01, True, False)]
+)
+def test_current_that_is_not_measured_may_move_a_boat_within_its_slot(
+    straight: Certificate, off_m: float, limited: bool, holds: bool
+) -> None:
+    found = with_loop(straight, misled=Misled(0.1, off_m, 0.0, limited))
+    assert verdict.holds(found) == holds
+    assert f"moves a boat by at most {off_m:g} m" in verdict.sentence(found)
 
 
 def test_boat_that_stays_beside_its_slot_is_certified_and_told(straight: Certificate) -> None:
