@@ -20,7 +20,7 @@ LLVM = "19"
 TESTS = (
     "core_tests",
     "supervisor_tests",
-    "convergence_tests",
+    "voyages_tests",
     "link_tests",
     "app_tests",
     "linux_tests",

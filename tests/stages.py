@@ -281,7 +281,7 @@ def arguments(words: list[str]) -> argparse.Namespace:
     """Parse the arguments of tools/test."""
     parser = argparse.ArgumentParser(prog="tools/test", description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--all", action="store_true", help="the nightly tests too: 45 minutes instead of 12")
+    add("--all", action="store_true", help="the nightly tests too; without, half an hour")
     add("--no-skip", action="store_true", help="a skipped test fails the run; so with CI=true")
     add("--only", metavar="STAGE", help="this stage and those that it needs")
     add("--coverage", action="store_true", help="instead, the share of lines that C++ tests reach")
