@@ -10,7 +10,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr bool kMoves = FLOTILLA_KEEPS_FLEET != 0;  // slots may move in the shape
+constexpr bool kMoves = FLOTILLA_KEEPS_FLEET != 0;  // slots may move, members differ in length
 
 template <class S>
 std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
@@ -65,7 +65,7 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
     claims_.hear(received, sender.may_claim, reference_.place(), now_us);
   }
   if (neighbours_.watches() && place != nullptr) {
-    neighbours_.take<S>(received, *place, now_us, sender.reach_m);
+    neighbours_.take<S>(received, *place, now_us, kMoves ? sender.reach_m : std::nullopt);
   }
 }
 
