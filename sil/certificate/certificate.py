@@ -74,17 +74,30 @@ class Leg:
 
 @dataclass(frozen=True)
 class Certificate:
-    """All results; `search` is None if the leader never moves."""
+    """All results; `search` is None if it was not made, or if the leader never moves."""
 
     scenario: Scenario
     legs: list[Leg]
     search: Search | None
 
+    @property
+    def depth(self) -> int | None:
+        """The depth to which every leg's chain is certified: FORM_DEPTH; None without chains."""
+        chains = [leg.chain for leg in self.legs if leg.chain is not None]
+        return min((0 if isinstance(one, str) else one.certified for one in chains), default=None)
 
-def certify(scenario: Scenario, overrides: dict[str, float], progress: Progress) -> Certificate:
+
+def certify(
+    scenario: Scenario,
+    overrides: dict[str, float],
+    progress: Progress,
+    *,
+    loops_only: bool = False,
+) -> Certificate:
     """Examine a scenario; `overrides` go to every boat's firmware.
 
-    `progress` is called with the current task and its completed share. ValueError for a parameter
+    `progress` is called with the current task and its completed share; `loops_only`: each boat's
+    loop and thrust, without chains of boats and other gains, in seconds. ValueError for a parameter
     that the firmware refuses, or for a leader without a steady regime.
     """
     firmware = parameters(scenario, overrides)
@@ -95,14 +108,18 @@ def certify(scenario: Scenario, overrides: dict[str, float], progress: Progress)
         cases = []
         for boats, slot, setup in fleet(scenario, reference, firmware):
             who = f"leg {number} of {len(found)}, boat {', '.join(map(str, boats))}"
-            cases.append(_case(boats, reference, slot, setup, partial(progress, who)))
+            tell = None if loops_only else partial(progress, who)
+            cases.append(_case(boats, reference, slot, setup, tell))
+        if loops_only:
+            legs.append(Leg(reference, from_s, cases, None, None))
+            continue
         progress(f"leg {number} of {len(found)}, the chains of boats", 0.0)
         legs.append(Leg(reference, from_s, cases, *_chain(scenario, reference, overrides)))
     moving = [
         (c.setup, c.points) for leg in legs if leg.reference.kind != "rest" for c in leg.cases
     ]
     search = None
-    if moving:
+    if moving and not loops_only:
         search = gains.fastest(moving, partial(progress, "search for the gains"))
     return Certificate(scenario, legs, search)
 
@@ -138,7 +155,7 @@ def _alike(a: Reference, b: Reference, north_counts: bool) -> bool:
 
 
 def _case(
-    boats: list[int], reference: Reference, slot: SlotMotion, setup: Boat, tell: gains.Tell
+    boats: list[int], reference: Reference, slot: SlotMotion, setup: Boat, tell: gains.Tell | None
 ) -> Case:
     own = setup.parameters
     speeds_mps = np.abs(reference.motion.nu(reference.motion.times_s)[:, 0])
@@ -146,7 +163,7 @@ def _case(
     values = floquet.multipliers(vessel, reference, [own["LAW_KX"], *gains.CURVE_K_X])
     decays = floquet.decay_rates(reference, values).tolist()
     sampled, points = sampled_loop(setup, at_rest)
-    curve = [] if at_rest else gains.curve(setup, points, tell)
+    curve = [] if at_rest or tell is None else gains.curve(setup, points, tell)
     return Case(
         boats=boats,
         setup=setup,
@@ -155,7 +172,7 @@ def _case(
         floquet=Floquet(floquet.period_s(reference), values[0].tolist(), decays[0]),
         thrust=thrust_need(slot, setup.propellers),
         sampled=sampled,
-        curve_floquet=[] if at_rest else decays[1:],
+        curve_floquet=decays[1:] if curve else [],
         curve_sampled=[whole for whole, _ in curve],
         curve_of_law=[law for _, law in curve],
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The certificate as files, each whole or not at all: a page, certificate.json and pictures."""
+"""The certificate as files, each whole or not at all: page, JSON, pictures, FORM_DEPTH."""
 
 import base64
 import io
@@ -19,6 +19,7 @@ from sil.certificate.chain import Chain
 from sil.certificate.gains import CURVE_K_X
 from sil.common import files
 from sil.report import run_report
+from sil.scenario import hull_files
 
 _PAGE = Template((Path(__file__).parent / "certificate.html").read_text(encoding="utf-8"))
 _LAW = ("LAW_", "VES_", "THR_", "FORM_FRAME")
@@ -48,11 +49,26 @@ def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
         files.replace(folder / file, png.getvalue())
         drawn.append(png.getvalue())
     files.replace(folder / "certificate.html", page(certificate, drawn).encode())
+    for suffix, content in parameter_files(certificate).items():
+        path = folder / f"certificate.{suffix}"
+        if content:
+            files.replace(path, content.encode())
+        else:
+            path.unlink(missing_ok=True)
     text = (json.dumps(document(certificate), indent=2, allow_nan=False) + "\n").encode()
     files.replace(folder / "certificate.json", text)
     if also is not None:
         also.parent.mkdir(parents=True, exist_ok=True)
         files.replace(also, text)
+
+
+def parameter_files(certificate: Certificate) -> dict[str, str]:
+    """Files with FORM_DEPTH by suffix, for ground stations; empty if no depth is certified."""
+    depth = certificate.depth
+    if not depth:  # a FORM_DEPTH of 0 would mean that every depth is allowed
+        return dict.fromkeys(("param", "params"), "")
+    head = f"# FORM_DEPTH of {certificate.scenario.name}, by flotilla certify"
+    return hull_files.of_values({"FORM_DEPTH": float(depth)}, [head])
 
 
 def page(certificate: Certificate, pictures: Sequence[bytes]) -> str:
@@ -82,6 +98,7 @@ def document(certificate: Certificate) -> dict[str, Any]:
         "scenario": scenario.name,
         "seed": scenario.seed,
         "certified": verdict.holds(certificate),
+        "depth": certificate.depth,
         "verdict": verdict.sentence(certificate),
         "notes": notes.notes(certificate),
         "legs": [_leg(leg) for leg in certificate.legs],

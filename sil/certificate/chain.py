@@ -9,6 +9,9 @@ one does not, boat n moves as boat n − 1 times G, plus its own noise:
     T_n = T_3 G^(n−3)      P_n = |G|² P_{n−1} + W      W = P_3 − |G|² P_2
     det_n(t): the lines of the leader's manoeuvre times T_n      peak_n = max |det_n| + 3.5 √(∫ P_n)
 
+Where boats relay with losses, the figures of sailed boats are at least those of the runs with
+everything at once.
+
 P_n are the power spectra of the motion that noise and weather cause behind a leader on a straight
 course. A depth is certified if no boat up to it is expected to turn faster than LAW_R_MAX, to be
 faster than LAW_U_MAX, or to be more than 0.2 m RMS off its slot: beyond these limits a chain leaves
@@ -78,6 +81,14 @@ class Depth:
     yaw_rate: float
     speed: float
     off_slot_m: float
+
+    def worse(self, other: "Depth") -> "Depth":
+        """The larger of each figure."""
+        return Depth(
+            max(self.yaw_rate, other.yaw_rate),
+            max(self.speed, other.speed),
+            max(self.off_slot_m, other.off_slot_m),
+        )
 
 
 @dataclass(frozen=True)
@@ -237,6 +248,7 @@ class _Sailed:
         self._off = np.mean(noise, axis=0)
         self._manoeuvre_off = _mean_square(probe.manoeuvre[1])
         self._boats = boats
+        self._lossy = [_sailed_depths(*run) for run in probe.lossy]
         # peak yaw rate and speed of the root in its manoeuvre
         root = np.abs(probe.manoeuvre[0][:, 0]).max(axis=0)
         self.root = float(root[YAW]), float(root[SURGE])
@@ -249,7 +261,17 @@ class _Sailed:
             square = self._off[k] + self._manoeuvre_off[k]
             square += sum(axis.more_error(n) for axis in self.axes)
             found.append(Depth(float(yaw[n]), float(surge[n]), float(np.sqrt(square))))
+        for run in self._lossy:
+            found[: len(run)] = [a.worse(b) for a, b in zip(found, run, strict=False)]
         return found
+
+
+def _sailed_depths(nu: Array, error: Array) -> list[Depth]:
+    """What boats did in a run: velocities (T, agents, 3), errors (T, boats, 3)."""
+    yaw_rates = np.abs(nu[:, 1:, YAW]).max(axis=0)
+    speeds = np.hypot(nu[:, 1:, 0], nu[:, 1:, 1]).max(axis=0)
+    off_m = np.sqrt(_mean_square(error))
+    return [Depth(*map(float, boat)) for boat in zip(yaw_rates, speeds, off_m, strict=True)]
 
 
 class _Axis:

@@ -28,6 +28,7 @@ def notes(certificate: Certificate) -> list[str]:
         "error. Along a chain the modes repeat: the k-th boat's error may follow t^(k-1) e^(-σt), "
         "so its decay begins later, although its final rate is the same.",
     ]
+    texts += _depth(certificate)
     texts += _rehung(certificate)
     texts += _late(certificate)
     texts += _left_out(certificate)
@@ -35,6 +36,15 @@ def notes(certificate: Certificate) -> list[str]:
     if weather or scenario.white_noise.power or scenario.navigation.noise.sigma.any():
         texts.append("Wind, waves and noise are left out.")
     return texts
+
+
+def _depth(certificate: Certificate) -> Iterable[str]:
+    if certificate.depth:
+        yield (
+            f"FORM_DEPTH,{certificate.depth}: with this parameter a boat warns when it is armed "
+            "deeper in the tree of leaders than this certificate reaches. certificate.param and "
+            "certificate.params have it for ground stations and flotillad --param-file."
+        )
 
 
 def _rehung(certificate: Certificate) -> Iterable[str]:

@@ -9,6 +9,11 @@ components of the agents' motions at these frequencies are the gains, regardless
 sampling. Noise, wind, waves and mismatch are off in these runs. Two more kinds of runs measure the
 motion to be amplified: one behind the leader's own manoeuvre, also without noise, and some with all
 of the scenario's noise and weather behind a leader that goes straight.
+
+Where boats hear their neighbours only, and the radio loses messages, some more runs have everything
+at once: the manoeuvre, noise, weather, and in each other losses. A reference that comes over many
+hops is sometimes too old to be passed on. That is rare, makes boats jump, and adds to neither gains
+nor noise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,6 +44,7 @@ from sil.scenario.sections import (
 
 WINDOW_S, SETTLING_S = 120.0, 60.0
 RUNS = 2  # number of runs of each kind
+LOSSY_RUNS = 4
 # whole periods in the window: yaw has every second one, surge those between
 _PERIODS = np.unique(np.geomspace(2.0, 300.0, 44).round().astype(int))
 YAW, SURGE = 2, 0  # components of nu
@@ -63,7 +69,7 @@ class Probe:
     """Motions of a chain's runs in the window: velocities (T, agents, 3) and errors (T, boats, 3).
 
     `root` and `boat`: RUNS runs each, in which the root or the boat is pushed; `manoeuvre`: one
-    run; `noisy`: RUNS runs.
+    run; `noisy`: RUNS runs; `lossy`: LOSSY_RUNS runs with everything, if boats relay with losses.
     """
 
     t_s: Array
@@ -71,6 +77,7 @@ class Probe:
     boat: Sequence[Motions]
     manoeuvre: Motions
     noisy: Sequence[Motions]
+    lossy: Sequence[Motions] = ()
 
 
 def gains(t_s: Array, runs: Sequence[Motions], axis: int, pushed: int) -> tuple[Complex, Complex]:
@@ -98,10 +105,13 @@ def probe(
     """Sail a chain (`chain_of`) of a path; RunError if a boat cannot sail or leaves its slot."""
     straight = _behind(chain, Input(surge_N=reference.input.surge_N))
     calm = _calm(straight)
+    manoeuvre = _behind(chain, reference.input.model_copy(update={"from_s": 0.0}))
+    lossy = LOSSY_RUNS if chain.link.loss > 0.0 and not chain.link.everyone else 0
     scenarios = [
         *(_seeded(calm, run) for run in range(2 * RUNS)),
-        _calm(_behind(chain, reference.input.model_copy(update={"from_s": 0.0}))),
+        _calm(manoeuvre),
         *(_seeded(straight, run) for run in range(RUNS)),
+        *(_seeded(manoeuvre, run) for run in range(lossy)),
     ]
     motions = []
     for run in sail(scenarios, overrides, keep_s=_KEEP_S, watch=_Push(calm).step):
@@ -114,8 +124,14 @@ def probe(
             raise RunError("the boats diverge on a straight course")
         stay(run.states, path)
         motions.append((nu, error))
+    behind, last = 2 * RUNS, 3 * RUNS + 1
     return Probe(
-        t_s, motions[:RUNS], motions[RUNS : 2 * RUNS], motions[2 * RUNS], motions[2 * RUNS + 1 :]
+        t_s,
+        motions[:RUNS],
+        motions[RUNS:behind],
+        motions[behind],
+        motions[behind + 1 : last],
+        motions[last:],
     )
 
 

@@ -3,8 +3,9 @@
 
 Reads CSV files with named columns, tlogs and ArduPilot's .bin; writes a parameter file and a page.
 Weigh the boat, and measure its length and the distance between its propellers: logs alone determine
-ratios only. Exit status: 0; 1 if the hull does not predict the half of the logs to which it was not
-fitted; 2 after a mistake of the caller.
+ratios only. Also certifies whether the gains that the firmware derives fit the hull. Exit status:
+0; 1 if the hull does not predict the half of the logs to which it was not fitted, or if the gains
+do not fit; 2 after a mistake of the caller.
 """
 
 import argparse
@@ -42,11 +43,12 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
+    from sil.certificate import one_hull
     from sil.common import files
     from sil.identify import identify_files, identify_report
     from sil.identify.identification import identify
     from sil.identify.log_files import read
-    from sil.identify.vessel_numbers import Boat
+    from sil.identify.vessel_numbers import Boat, parameters
     from sil.identify.voyage_log import SAMPLE_S
     from sil.identify.voyage_model import Body
 
@@ -60,12 +62,20 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
         task = bar.add_task("identifying", total=1.0)
         found = identify(logs, body, lambda share: bar.update(task, completed=share))
-    identify_report.tell(found, boat, console)
+        hull = identify_files.write_hull(found, boat, out)
+        fit = None
+        if hull:
+            bar.update(task, description="certifying", completed=0.0)
+            balance = {"THR_BALANCE": parameters(found, boat)["THR_BALANCE"]}
+            fit = one_hull.fits(
+                out / "hull.toml", balance, lambda _, share: bar.update(task, completed=share)
+            )
+    identify_report.tell(found, boat, fit, console)
     for note in notes:
         console.print(note, style="dim", markup=False)
-    for path in identify_files.write(found, boat, out):
+    for path in [*identify_files.write(found, boat, fit, out), *hull]:
         console.print(f"results: {path}", soft_wrap=True, markup=False)
-    return 0 if identify_report.holds(found) else 1
+    return 0 if identify_report.holds(found) and (fit is None or fit[0]) else 1
 
 
 def _positive(text: str) -> float:

@@ -59,7 +59,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fleets",
         action="store_true",
-        help="long lines, bad radios and unknown hulls, case by case; writes nothing",
+        help="only long lines, bad radios and Otters: renews their table on the page",
     )
 
 

@@ -16,6 +16,7 @@ from sil.common import files
 from sil.identify import identify_picture, identify_report
 from sil.identify.hull_terms import TERMS
 from sil.identify.identification import Identification
+from sil.identify.identify_report import Fit
 from sil.identify.vessel_numbers import Boat, hull_file, hull_of, parameters
 from sil.report import run_report
 from sil.scenario import hull_files
@@ -23,38 +24,47 @@ from sil.scenario import hull_files
 _PAGE = Template((Path(__file__).parent / "identify.html").read_text(encoding="utf-8"))
 
 
-def write(found: Identification, boat: Boat, folder: Path) -> list[Path]:
-    """Write into the folder, which is made; returns the files.
+def write_hull(found: Identification, boat: Boat, folder: Path) -> list[Path]:
+    """Write the hull's files into the folder, which is made; returns them.
 
-    No parameter file of swapped propellers: no parameter mends them.
+    None of swapped propellers: no parameter mends them.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    picture = io.BytesIO()
-    identify_picture.predictions(found).savefig(picture, format="png")
-    contents = {
-        "predictions.png": picture.getvalue(),
-        "identify.html": page(found, boat, picture.getvalue()).encode(),
-        "identify.json": (
-            json.dumps(document(found, boat), indent=2, allow_nan=False) + "\n"
-        ).encode(),
-    }
+    contents: dict[str, str] = {}
     if not found.wiring.swapped:
         head = identify_report.sentence(found)
         for suffix, text in hull_files.of_values(parameters(found, boat), [f"# {head}"]).items():
-            contents[f"hull.{suffix}"] = text.encode()
-        contents["hull.toml"] = hull_file(hull_of(found, boat), head).encode()
+            contents[f"hull.{suffix}"] = text
+        contents["hull.toml"] = hull_file(hull_of(found, boat), head)
     for stale in ("hull.param", "hull.params", "hull.toml"):
         if stale not in contents:
             (folder / stale).unlink(missing_ok=True)
+    return _written(folder, {name: text.encode() for name, text in contents.items()})
+
+
+def write(found: Identification, boat: Boat, fit: Fit | None, folder: Path) -> list[Path]:
+    """Write page, picture and JSON into the folder, which is made; returns them."""
+    picture = io.BytesIO()
+    identify_picture.predictions(found).savefig(picture, format="png")
+    told = json.dumps(document(found, boat, fit), indent=2, allow_nan=False) + "\n"
+    contents = {
+        "predictions.png": picture.getvalue(),
+        "identify.html": page(found, boat, fit, picture.getvalue()).encode(),
+        "identify.json": told.encode(),
+    }
+    return _written(folder, contents)
+
+
+def _written(folder: Path, contents: dict[str, bytes]) -> list[Path]:
+    folder.mkdir(parents=True, exist_ok=True)
     for name, content in contents.items():
         files.replace(folder / name, content)
     return [folder / name for name in contents]
 
 
-def page(found: Identification, boat: Boat, picture: bytes) -> str:
+def page(found: Identification, boat: Boat, fit: Fit | None, picture: bytes) -> str:
     """One HTML page that needs no other file."""
     terminal = Console(record=True, width=110, file=io.StringIO(), force_terminal=True)
-    identify_report.tell(found, boat, terminal)
+    identify_report.tell(found, boat, fit, terminal)
     data = base64.b64encode(picture).decode()
     return _PAGE.substitute(
         style=run_report.STYLE,
@@ -66,7 +76,7 @@ def page(found: Identification, boat: Boat, picture: bytes) -> str:
     )
 
 
-def document(found: Identification, boat: Boat) -> dict[str, Any]:
+def document(found: Identification, boat: Boat, fit: Fit | None) -> dict[str, Any]:
     """The content of identify.json: SI; terms over the inertia in surge."""
     draws = found.intervals.draws
     told = {
@@ -85,6 +95,7 @@ def document(found: Identification, boat: Boat) -> dict[str, Any]:
         },
         "held_out": [None if s is None else asdict(s) for s in found.held_out],
         "parameters": parameters(found, boat),
+        "gains": None if fit is None else {"fit": fit[0], "verdict": fit[1]},
     }
     plain: dict[str, Any] = files.plain(told)
     return plain

@@ -20,6 +20,8 @@ from sil.identify.vessel_numbers import (
     yaw_moment_Nm,
 )
 
+#: Whether the gains that the firmware derives fit the hull, and the certificate's verdict.
+Fit = tuple[bool, str]
 # Open loop over 10 s: below these the hull does not explain its logs.
 LEAST_U, LEAST_R = 0.95, 0.8
 # What tells a term that the logs do not determine.
@@ -73,9 +75,14 @@ def sentence(found: Identification) -> str:
     )
 
 
-def tell(found: Identification, boat: Boat, console: Console) -> None:
-    """Print everything."""
+def tell(found: Identification, boat: Boat, fit: Fit | None, console: Console) -> None:
+    """Print everything; `fit` is None if there is no hull that could be used."""
     console.print(f"[bold {'green' if holds(found) else 'red'}]{sentence(found)}")
+    if fit is not None:
+        fitting, verdict = fit
+        word = "fit" if fitting else "do not fit"
+        colour = "green" if fitting else "red"
+        console.print(f"[{colour}]The gains that the firmware derives {word} this hull: {verdict}")
     for line in remarks(found):
         console.print(f"[yellow]• {line}")
     console.print(_figures(found, boat))

@@ -99,6 +99,10 @@ def parameters(found: Identification, boat: Boat) -> dict[str, float]:
     hull = hull_of(found, boat)
     own = presets.firmware(hull)
     own["THR_BALANCE"] = hull.propellers.stbd_gain - 1.0
+    # Latencies are told as differences to the heading's, so that they do not give NAV_LAG_S.
+    for name, k in (("NAV_OFS_X", INDEX["antenna_x"]), ("NAV_OFS_Y", INDEX["antenna_y"])):
+        if found.intervals.told[k]:
+            own[name] = found.fit.values[k]
     if found.wiring.port_inverted:
         own["THR_PORT_DIR"] = -1.0
     if found.wiring.stbd_inverted:

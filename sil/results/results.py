@@ -52,8 +52,16 @@ def main(options: argparse.Namespace) -> int:
             return _compare(options, console)
         if options.fleets:
             outcomes = _sail(results_fleets.jobs(), options.workers, console)
-            console.print(results_fleets.for_terminal(outcomes), soft_wrap=True)
-            return 0
+            console.print(results_fleets.for_terminal(outcomes))
+            text = results_fleets.encoded(outcomes)
+            noted = results_fleets.decoded(text)  # so that the page agrees with the file's digits
+            _write(
+                {
+                    results_fleets.FIGURES: text,
+                    results_fleets.PAGE: results_fleets.page(noted).encode(),
+                }
+            )
+            return 0 if all(row.reached for row in results_fleets.rows(noted)) else 1
         options.out.mkdir(parents=True, exist_ok=True)
         campaigns = []
         if _whole(options):

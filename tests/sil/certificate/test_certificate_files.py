@@ -5,6 +5,7 @@ import html
 import io
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,10 +44,25 @@ def test_nothing_is_left_half_written(written: Path) -> None:
     assert {file.name for file in written.iterdir()} == {
         "certificate.html",
         "certificate.json",
+        "certificate.param",
+        "certificate.params",
         "decay.png",
         "chain.png",
     }
     assert (written / "decay.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_certified_depth_is_written_as_a_parameter_and_none_where_no_depth_is_certified(
+    two_legs: Certificate, written: Path
+) -> None:
+    depth = json.loads((written / "certificate.json").read_text(encoding="utf-8"))["depth"]
+    assert depth == two_legs.depth and depth >= 1
+    lines = (written / "certificate.param").read_text(encoding="utf-8").splitlines()
+    assert lines[1:] == [f"FORM_DEPTH,{depth}"]
+    none = [replace(leg, chain="boat 2 leaves FORMATION") for leg in two_legs.legs]
+    refused = replace(two_legs, legs=none)
+    assert refused.depth == 0
+    assert set(certificate_files.parameter_files(refused).values()) == {""}
 
 
 def test_page_begins_with_the_verdict_and_names_no_label_of_the_papers_source(

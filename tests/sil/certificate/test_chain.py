@@ -3,6 +3,7 @@
 
 from collections.abc import Mapping
 from functools import cache
+from typing import Any
 
 import flotilla
 import pytest
@@ -85,3 +86,24 @@ def test_boat_that_leaves_formation_in_a_probe_is_named(state: str, named: bool)
     with pytest.raises(RunError, match=f"boat 7, at depth 3, leaves FORMATION: {state}"):
         probe.stay(states, [4, 7])
     return None
+
+
+def test_depth_is_not_beyond_where_boats_break_in_runs_with_lost_messages(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(probe, "LOSSY_RUNS", 1)
+    found = {}
+    for loss in (0.0, 0.3):
+        relayed = scenario.load("line10", ["link.everyone=false", f"link.loss={loss}"])
+        found[loss] = chain.chain(relayed, references(relayed)[0], {}, most=3)
+    assert found[0.0].certified == found[0.3].certified == 3
+    real = probe.probe
+
+    def jumping(*given: Any) -> probe.Probe:
+        sailed = real(*given)
+        ((nu, _),) = sailed.lossy
+        nu[100, 3, probe.YAW] = 1.13  # boat 3, once
+        return sailed
+
+    monkeypatch.setattr(probe, "probe", jumping)
+    assert chain.chain(relayed, references(relayed)[0], {}, most=3).certified == 2

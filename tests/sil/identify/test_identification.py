@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: MIT
 """A hull of the simulation's physics is found again in its log, with honest intervals."""
 
+import json
+import re
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sil.certificate import one_hull
+from sil.identify import identify_files
 from sil.identify.hull_terms import INDEX
 from sil.identify.identification import Identification, identify
 from sil.identify.identify_report import holds, lacking
@@ -83,6 +88,29 @@ def test_parameters_are_of_this_boat() -> None:
     assert values["THR_BALANCE"] == pytest.approx(0.05, abs=0.01)
     assert values["THR_LAG"] == pytest.approx(PROPELLERS.lag_s, abs=0.03)
     assert "THR_PORT_DIR" not in values
+    # in the log the antenna is on the reference point
+    assert abs(values["NAV_OFS_X"]) < 0.1 and abs(values["NAV_OFS_Y"]) < 0.1
+    assert "NAV_LAG_S" not in values
+
+
+def test_page_tells_whether_the_gains_fit(tmp_path: Path) -> None:
+    names = {path.name for path in identify_files.write_hull(found(), BOAT, tmp_path)}
+    assert names == {"hull.param", "hull.params", "hull.toml"}
+    for fitting, told in ((True, "derives fit this hull: certified"), (False, "do not fit")):
+        fit = (fitting, "certified" if fitting else "not certified")
+        identify_files.write(found(), BOAT, fit, tmp_path)
+        page = " ".join((tmp_path / "identify.html").read_text(encoding="utf-8").split())
+        assert told in re.sub("<[^>]*>", "", page)
+        written = json.loads((tmp_path / "identify.json").read_text(encoding="utf-8"))
+        assert written["gains"] == {"fit": fitting, "verdict": fit[1]}
+
+
+def test_gains_that_are_derived_fit_the_hull_that_was_found(tmp_path: Path) -> None:
+    identify_files.write_hull(found(), BOAT, tmp_path)
+    fitting, told = one_hull.fits(tmp_path / "hull.toml", {}, lambda *_: None)
+    assert fitting and told.startswith("certified about the formation"), told
+    fitting, told = one_hull.fits(tmp_path / "hull.toml", {"LAW_KDR": 9000.0}, lambda *_: None)
+    assert not fitting and told.startswith("not certified"), told
 
 
 def test_a_boat_that_never_went_astern_does_not_know_its_thrust_astern() -> None:

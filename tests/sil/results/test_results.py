@@ -230,22 +230,37 @@ def test_every_scenario_of_the_table_is_there_and_takes_300_s(name: str) -> None
         assert scenario.load(name, [], law).law == law
 
 
-def test_fleets_are_told_case_by_case_and_nothing_is_written(
-    sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_fleets_are_judged_and_renew_their_table_and_no_other(
+    sail: Callable[..., list[Job]],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    def outcome(job: Job) -> Outcome:
-        late: Any = {"rms_error_m": 0.25, "states": {"FORMATION": 290.0, "HOLD": 10.0}}
-        return replace(fleet(job, rms_error_m=0.25), boats=[late])
+    late: Any = {"rms_error_m": 0.25, "states": {"FORMATION": 290.0, "HOLD": 10.0}}
+    figures_m = {"line10": 0.25}
 
+    def outcome(job: Job) -> Outcome:
+        off_m = figures_m.get(job.scenario, 0.01)
+        return replace(fleet(job, rms_error_m=off_m), boats=[late], trace={})
+
+    place = tmp_path / "RESULTS.md"
+    place.write_text(f"before\n{results_fleets.BEGIN}{END}\nafter\n", encoding="utf-8")
+    monkeypatch.setattr(results_fleets, "PAGE", place)
+    monkeypatch.setattr(results_fleets, "FIGURES", tmp_path / "fleets.json")
     jobs = sail(outcome)
-    assert results.main(options("--fleets")) == 0
-    told = capsys.readouterr().out
+    assert results.main(options("--fleets")) == 1
     assert jobs == results_fleets.jobs() and len(jobs) == len(set(jobs))
-    assert all(f"{case.about}: {case.wanted}\n" in told for case in results_fleets.CASES)
-    assert told.count("rms_error_m 0.250 m") == len(results_fleets.CASES)
-    assert told.count("FORMATION 290.0 s, HOLD 10.0 s") == len(results_fleets.CASES)
-    assert "by depth: 0.250\n" in told
-    assert files(tmp_path) == NAMES
+    assert files(tmp_path) == {*NAMES, "fleets.json"}
+    text = place.read_text(encoding="utf-8")
+    assert text.startswith("before\n") and text.endswith("\nafter\n")
+    missed = "RMS distance from the slot, last third | 0.250 m | 0.1 m | **NO** |"
+    assert f"| 10 relayed only, 0.1 s, 10 % lost a hop | {missed}" in text
+    assert text.count("**NO**") == 1
+    assert "RMS distance by depth, m: 0.250." in text
+    assert "the mean boat was in FORMATION 290.0 s, HOLD 10.0 s" in text
+    assert results_fleets.page(results_fleets.noted()) == text
+    figures_m.clear()
+    assert results.main(options("--fleets")) == 0
 
 
 @pytest.mark.parametrize("case", results_fleets.CASES, ids=lambda case: case.about)
