@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
 // Turns after those of the streams.
-constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kLogs = kFiles + 1,
-                      kTurns = kLogs + 1;
+constexpr std::uint8_t kParameters = kStreams.size(), kFiles = kParameters + 1, kLogs = kFiles + 1,
+                       kTurns = kLogs + 1;
 // On a link too slow for both, the reference gets every third turn: a leader's state is good for a
 // second, a reference for longer.
 constexpr std::uint8_t kStatesPerReference = 2;
@@ -170,7 +170,7 @@ void TelemetrySender::send_rest(std::size_t link, link::Counters& counters) {
   if (!streams_.any_due(link, now_us_) && !asked) return;
   const std::size_t first = turns_[link].next;
   for (std::size_t n = 0; n < kTurns && has_room(link); ++n) {
-    const std::size_t turn = (first + n) % kTurns;
+    const auto turn = static_cast<std::uint8_t>((first + n) % kTurns);
     bool told = false;
     if (turn == kParameters) {
       told = send_parameters(link, counters);
@@ -182,7 +182,8 @@ void TelemetrySender::send_rest(std::size_t link, link::Counters& counters) {
       told = send_stream(turn, link, counters);
     }
     const Begun& begun = turns_[link].begun;
-    if (told) turns_[link].next = begun.told > 0 ? begun.stream : (turn + 1) % kTurns;
+    const auto after = static_cast<std::uint8_t>((turn + 1) % kTurns);
+    if (told) turns_[link].next = begun.told > 0 ? begun.stream : after;
   }
 }
 
@@ -193,7 +194,7 @@ bool TelemetrySender::has_room(std::size_t link) const {
 /// A stream with nothing to send yet stays due, except those that many boats never use. If a slow
 /// link cannot carry all its messages at once, it continues in a later tick, before all others
 /// except requested parameters.
-bool TelemetrySender::send_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
+bool TelemetrySender::send_stream(std::uint8_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.is_due(now_us_)) return false;
   Begun& begun = turns_[link].begun;

@@ -78,12 +78,12 @@ class TelemetrySender {
     bool again = false;
   };
   struct Begun {
-    std::size_t stream = kStreams.size();
+    std::uint8_t stream = kStreams.size();
     std::uint32_t told = 0;
   };
   struct Turns {
-    std::size_t next = 0;  ///< turn of send_rest()
-    Begun begun;           ///< a stream that has sent only part of its messages
+    std::uint8_t next = 0;  ///< turn of send_rest()
+    Begun begun;            ///< a stream that has sent only part of its messages
     std::uint32_t told_news = 0;
     StateTurns states;
     ToldFuture future;
@@ -96,7 +96,7 @@ class TelemetrySender {
   void send_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void send_rest(std::size_t link, link::Counters& counters);
   bool has_room(std::size_t link) const;
-  bool send_stream(std::size_t stream, std::size_t link, link::Counters& counters);
+  bool send_stream(std::uint8_t stream, std::size_t link, link::Counters& counters);
   bool send_parameters(std::size_t link, link::Counters& counters);
   bool send_files(std::size_t link, link::Counters& counters);
   bool send_logs(std::size_t link, link::Counters& counters);
