@@ -267,6 +267,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
       if (peer.hears < before.count) {
         peer.hears = rank_or_none(table, before.members[peer.hears].system);
       }
+      peer.behind = peer.behind && table.members[rank].leader == before.members[*was].leader;
       heard_[rank] = heard[*was];
     } else if (!table.members[rank].only_leads) {
       // A new member counts as fit and just heard until it falls silent.

@@ -25,12 +25,16 @@ std::size_t best_leader(const FleetTable& table, const FleetSelf& self,
   return best;
 }
 
+/// It follows the leader that it hears, so a boat that follows it is in that leader's tree.
+bool relays(const FleetPeer& peer) { return peer.heard && peer.fit && peer.behind; }
+
 /// The first leader that another member hears and this boat does not; kNobody if there is none.
-std::size_t told_leader(std::size_t own, std::span<const FleetPeer> peers) {
+/// relayed: only if that member relays it.
+std::size_t told_leader(std::size_t own, std::span<const FleetPeer> peers, bool relayed) {
   std::size_t best = Succession::kNobody;
   for (std::size_t rank = 0; rank < peers.size(); ++rank) {
     const FleetPeer& peer = peers[rank];
-    if (rank == own || !peer.heard || peer.hears == own) continue;
+    if (rank == own || !peer.heard || peer.hears == own || (relayed && !relays(peer))) continue;
     if (peer.hears < peers.size() && !peers[peer.hears].heard) {
       best = std::min<std::size_t>(best, peer.hears);
     }
@@ -85,11 +89,12 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   const bool can_lead =
       table.members[self.rank].can_lead && (!self.by_hand || goes_on) && !stopping_;
   const std::size_t other = best_leader(table, self, peers);
-  const std::size_t told = told_leader(self.rank, peers);
+  const std::size_t told = told_leader(self.rank, peers, false);
   const bool has_epoch = other != kNobody && !table.members[other].only_leads;
   const bool older = has_epoch && peers[other].epoch < self.epoch;
   const bool newer = has_epoch && peers[other].epoch > self.epoch;
-  const bool yields = newer || (other < self.rank && !older) || told < self.rank;
+  const bool yields =
+      newer || (other < self.rank && !older) || told_leader(self.rank, peers, true) < self.rank;
   yielding_ = (yielding_ && !self.begun) || (led && yields);
   if (taking_) {
     taking_ = self.fit && !self.alone;
@@ -128,7 +133,7 @@ void Succession::attach_to_leader(const FleetTable& table, std::size_t own,
   const bool is_root = above && table.members[*above].leader == 0;
   const bool gone = !above || (is_root && leader_ != kNobody);
   if (!gone) {
-    followed_ = above;
+    followed_ = *above == leader_ ? way_to_leader(own, peers) : *above;
   } else if (leader_ != kNobody) {
     followed_ = way_to_leader(own, peers);
   }
@@ -139,7 +144,7 @@ std::size_t Succession::way_to_leader(std::size_t own, std::span<const FleetPeer
   if (peers[leader_].heard) return leader_;
   for (std::size_t rank = 0; rank < peers.size(); ++rank) {
     const FleetPeer& peer = peers[rank];
-    if (rank != own && peer.heard && peer.fit && peer.behind && peer.hears == leader_) return rank;
+    if (rank != own && relays(peer) && peer.hears == leader_) return rank;
   }
   return leader_;
 }

@@ -29,7 +29,8 @@ void ClockOffset::widen(std::int64_t now_us) {
       kPerMicrosecond_us;
   widened_us_ = now_us;
   if (upper_) *upper_ += by_us;
-  if (was_answered()) nearness_ -= 2 * by_us;
+  if (nearness_ != 0) nearness_ -= 2 * by_us;
+  if (next_ != 0) next_ -= 2 * by_us;
 }
 
 void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {

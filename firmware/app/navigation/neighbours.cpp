@@ -11,6 +11,9 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kShipForgotten_us = 30'000'000;
+// A vessel whose states all seem late is believed again after this: its clock may have been set
+// back, or one wrong stamp may have been ahead. Its place, even if it is old, is better than none.
+constexpr std::int64_t kHidden_us = 60'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
 constexpr std::uint32_t kLastSystem = 255;
@@ -157,7 +160,7 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   Vessel* vessel = place_for(id, apart_m, own, now_us);
   if (vessel == nullptr) return nullptr;
   if (!date(*vessel, seen.stamp_us, now_us)) {
-    if (apart_m < double{least_m_}) refused_near_us_ = now_us;
+    if (apart_m < double{least_m_ + vessel->reach_m}) refused_near_us_ = now_us;
     return nullptr;
   }
   const auto v_n =
@@ -182,7 +185,8 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
   if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
   const std::int64_t last_us = vessel.true_us - vessel.ahead_us;
   const std::int64_t arrived_us = now_us - stamp_us, silent_us = now_us - vessel.true_us;
-  const bool restarted = silent_us > kForgotten_us && is_restart(stamp_us, last_us, silent_us);
+  const bool restarted = silent_us > kForgotten_us &&
+                         (silent_us > kHidden_us || is_restart(stamp_us, last_us, silent_us));
   if (!vessel.dated || restarted) {
     vessel.ahead_us = arrived_us;
   } else {

@@ -52,7 +52,7 @@ class Neighbours {
   core::Traffic<S> traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                            std::int64_t now_us) const;
 
-  /// None of them is nearer than FS_SEP_M, and neither was any state refused as late in the last 3 s:
+  /// None of them is nearer than FS_SEP_M, and neither was any state refused as too old in the last 3 s:
   /// another vessel with the same system id may have sent it.
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;

@@ -20,11 +20,13 @@ class StampFilter {
     kRestarted,  ///< not newer, but old stamps advance, as only those of a restarted clock can
   };
 
-  Verdict judge(std::int64_t stamp_us, std::int64_t now_us) const {
+  /// one_link: no state can be overtaken on another link, so stamps that go back and advance from
+  /// there are of a clock that was set back, or restarted.
+  Verdict judge(std::int64_t stamp_us, std::int64_t now_us, bool one_link = false) const {
     if (!last_us_) return Verdict::kNext;
     if (stamp_us <= *last_us_) {
       const bool restarted = silent(now_us) && advances(stamp_us) && stamp_us != *last_us_ &&
-                             is_restart(stamp_us, *last_us_, now_us - arrived_us_);
+                             (one_link || is_restart(stamp_us, *last_us_, now_us - arrived_us_));
       return restarted ? Verdict::kRestarted : Verdict::kLate;
     }
     const std::int64_t off_us = stamp_us - *last_us_ - (now_us - arrived_us_);

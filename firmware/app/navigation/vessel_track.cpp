@@ -232,7 +232,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   using Stamp = StampFilter::Verdict;
   const auto& [from, now_us, counters] = arrival;
   const std::int64_t stamp_us = state.sample.stamp_us;
-  const Stamp stamp = stamps_.judge(stamp_us, now_us);
+  const Stamp stamp = stamps_.judge(stamp_us, now_us, identity_.keeps);
   convert::Sample<S> placed = origins_.in_plane(state.sample);
   if (stamp == Stamp::kLate) {
     stamps_.refuse(stamp_us);

@@ -214,7 +214,7 @@ void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedC
     stop_ = {now_us_, pending.from, links};
   } else if (recent && ((stop_.links & link) == 0 || (others && repeated))) {
     asked = {mav::kTemporarilyRejected};
-    asked.why = "another stopped the boat: ask again in 5 s";
+    asked.why = "boat was just stopped: ask again in 5 s";
   }
 }
 

@@ -299,6 +299,33 @@ TEST_CASE("two boats that lead and do not hear each other: one yields within two
   CHECK(harbour.leader_of(3) == 1);
 }
 
+TEST_CASE("a boat that does not hear its own leader, now the fleet's, follows one that does") {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  REQUIRE(harbour.boats[1].state == core::State::kAuto);
+  REQUIRE(harbour.leader_of(2) == 2);
+  harbour.boats[2].deaf_to = 2;
+  harbour.sail(5);
+  CHECK(harbour.leader_of(2) == 4);
+}
+
+TEST_CASE(
+    "a leader does not yield to one that it cannot follow: no boat that follows it is heard") {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  harbour.boats[3].on = false;
+  harbour.sail(3);
+  REQUIRE(harbour.boats[1].state == core::State::kAuto);
+  part_first_two(harbour);
+  harbour.boats[2].state = core::State::kHold;  // hears both
+  harbour.boats[0].on = true;
+  harbour.sail(5);
+  CHECK(harbour.boats[0].state == core::State::kAuto);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+}
+
 TEST_CASE("a longer hull reaches farther, by half of the difference") {
   FleetTable mixed = table_of_four(1);
   mixed.members[0].length_dm = 49;

@@ -235,5 +235,14 @@ TEST_CASE("messages that become quick need no new answer to be known as well as 
   CHECK(late.clock.was_answered());
 }
 
+TEST_CASE("an answer of an hour ago counts no more than the drift since then allows") {
+  ClockOffset c;
+  c.heard(0, 0);
+  c.answered(0, 0, 0);
+  c.heard(kHour_us - 200'000, kHour_us);
+  c.answered(kHour_us - 200'000, kHour_us, kHour_us);
+  CHECK(*c.least_us() <= 0);
+}
+
 }  // namespace
 }  // namespace flotilla::app

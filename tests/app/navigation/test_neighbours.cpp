@@ -157,6 +157,24 @@ TEST_CASE("a clock that begins anew, or is set, hides its vessel for three secon
   }
 }
 
+TEST_CASE(
+    "a clock that is set back by seconds, or one wrong stamp, hides its vessel for a minute") {
+  for (const bool set_back : {true, false}) {
+    Sailing w;
+    w.ahead_us = 1000 * kSecond_us;
+    w.sail(5 * kSecond_us, 10 * kSecond_us, 0);
+    if (set_back) {
+      w.ahead_us -= 10 * kSecond_us;
+    } else {
+      w.ahead_us += 10 * kSecond_us;
+      w.tell(10 * kSecond_us, 10 * kSecond_us);
+      w.ahead_us -= 10 * kSecond_us;
+    }
+    w.sail(10 * kSecond_us + 100'000, 75 * kSecond_us, 0);
+    CHECK(w.off_m(75 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+  }
+}
+
 TEST_CASE("a vessel that was started while it was silent is heard again") {
   Sailing w;
   w.ahead_us = 20 * kSecond_us;
@@ -172,7 +190,7 @@ TEST_CASE(
     Sailing w;
     w.ahead_us = 1000 * kSecond_us;
     for (std::int64_t us = 0; us < 120 * kSecond_us; us += 100'000) {
-      if (us < 60 * kSecond_us) w.tell(us, us);
+      if (us < 70 * kSecond_us) w.tell(us, us);
       if (us >= late_us) w.tell(us - late_us, us);
     }
     const bool counts = late_us < 3 * kSecond_us;

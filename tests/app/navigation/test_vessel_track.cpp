@@ -143,16 +143,16 @@ TEST_CASE_TEMPLATE("after a reboot of the vessel its latency may be another", S,
 }
 
 TEST_CASE_TEMPLATE(
-    "a unit whose clock is set back by seconds is believed again when that has passed", S, float,
-    double) {
+    "the own unit, which has one link, is believed soon after its clock is set back by seconds", S,
+    float, double) {
   Watch<S> w{VesselTrack<S>{typename VesselTrack<S>::Identity{5, 0, 300'000, 300'000, true}}, {}};
   w.track.set_lag(0);
   for (std::int64_t t = 0; t < 5'000'000; t += 100'000)
     w.hear(at(kHour_us + t, 2e-6F * float(t)), t);
   for (std::int64_t t = 5'000'000; t < 12'000'000; t += 100'000) {
     w.hear(at(kHour_us + t - 4'000'000, 2e-6F * float(t)), t);
+    if (t >= 7'000'000) REQUIRE(w.track.fresh(t, kLimit_us));
   }
-  CHECK(w.track.fresh(12'000'000, kLimit_us));
 }
 
 TEST_CASE_TEMPLATE("one stamp from the far future costs two seconds at most", S, float, double) {
