@@ -152,7 +152,11 @@ def test_beside_another_controller_a_boat_neither_arms_nor_goes_on(boat: Boat, k
     boat.enter_formation()
     boat.execute("cansend", INTERFACE, FOREIGN[kind])
     expect_fault(boat, why)
-    assert commands([boat.commands[-1][1]]) == (0, 0)
+    # ArmingStatus 0 stops the ESCs; the first RawCommand of zeros arrives after it.
+    boat.wait(lambda: commands([boat.commands[-1][1]]) == (0, 0), "RawCommand of zeros")
+    zeros = len(boat.commands)
+    boat.run(0.2)
+    assert {commands([frame]) for _, frame in boat.commands[zeros:]} == {(0, 0)}
     boat.disarm()
     expect_refusal(boat, why)
     boat.enter_formation()
