@@ -267,7 +267,7 @@ class _Sailed:
 
 
 def _sailed_depths(nu: Array, error: Array) -> list[Depth]:
-    """What boats did in a run: velocities (T, agents, 3), errors (T, boats, 3)."""
+    """Each boat's largest figures in a run with velocities (T, agents, 3), errors (T, boats, 3)."""
     yaw_rates = np.abs(nu[:, 1:, YAW]).max(axis=0)
     speeds = np.hypot(nu[:, 1:, 0], nu[:, 1:, 1]).max(axis=0)
     off_m = np.sqrt(_mean_square(error))

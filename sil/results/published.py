@@ -5,15 +5,14 @@ The pages' tables are generated from this file, and tests compare it with their 
 """
 
 import json
-import math
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from sil import ROOT
-from sil.common import files
 from sil.results import results_campaigns, results_readme, results_table
+from sil.results.figures_json import line, numbers
 from sil.results.results_campaigns import MonteCarlo
 from sil.results.results_readme import Measured
 from sil.results.results_table import PublishedBound
@@ -23,7 +22,6 @@ PAGE = ROOT / "sil" / "docs" / "RESULTS.md"
 MEASUREMENTS = ROOT / "sil" / "docs" / "MEASUREMENTS.md"
 PICTURES = ROOT / "sil" / "results"
 FIGURES = PICTURES / "figures.json"
-_DIGITS = 6
 
 
 class Published(NamedTuple):
@@ -52,12 +50,12 @@ def encoded(published: Published) -> bytes:
         for outcome in published.outcomes
     ]
     campaigns = ",\n".join(
-        f'{{"scenario": {_line(name)}, "ended": {_line(ended)}, "late_m": {_line(late_m)}, '
+        f'{{"scenario": {line(name)}, "ended": {line(ended)}, "late_m": {line(late_m)}, '
         f'"runs_m": {_lines(runs_m)}}}'
         for name, ended, late_m, runs_m in published.campaigns
     )
     return (
-        f'{{"measured": {_line(published.measured)},\n"runs": {_lines(runs)},\n'
+        f'{{"measured": {line(published.measured)},\n"runs": {_lines(runs)},\n'
         f'"campaigns": [{campaigns}]}}\n'
     ).encode()
 
@@ -69,7 +67,7 @@ def decoded(content: bytes) -> Published:
         Outcome(
             Job(run["scenario"], run["law"], run["seed"]),
             run["failure"],
-            figures=_numbers(run["figures"]),
+            figures=numbers(run["figures"]),
         )
         for run in document["runs"]
     ]
@@ -77,12 +75,12 @@ def decoded(content: bytes) -> Published:
         MonteCarlo(
             one["scenario"],
             Counter(one["ended"]),
-            _numbers(one["late_m"]),
-            _numbers(one["runs_m"]),
+            numbers(one["late_m"]),
+            numbers(one["runs_m"]),
         )
         for one in document["campaigns"]
     ]
-    return Published(outcomes, campaigns, _numbers(document["measured"]))
+    return Published(outcomes, campaigns, numbers(document["measured"]))
 
 
 def noted() -> Published:
@@ -129,25 +127,4 @@ def _filled(path: Path, sections: dict[str, str]) -> str:
 
 
 def _lines(values: Iterable[Any]) -> str:
-    return "[\n" + ",\n".join(map(_line, values)) + "]"
-
-
-def _line(value: Any) -> str:
-    return json.dumps(files.plain(_rounded(value)), ensure_ascii=False, allow_nan=False)
-
-
-def _rounded(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _rounded(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_rounded(item) for item in value]
-    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
-
-
-def _numbers(value: Any) -> Any:
-    """Replace the file's null by infinity."""
-    if isinstance(value, dict):
-        return {key: _numbers(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_numbers(item) for item in value]
-    return math.inf if value is None else value
+    return "[\n" + ",\n".join(map(line, values)) + "]"

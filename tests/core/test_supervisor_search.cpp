@@ -212,7 +212,7 @@ struct Broken {
   }
 };
 
-/// What one search of all histories saw, for both tests.
+/// One search through all histories; both tests read its findings.
 struct Found {
   std::vector<std::pair<Choices, Broken>> broken;
   std::array<unsigned, kStates> next{};  ///< states that each led to in one tick

@@ -71,7 +71,7 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       sender_(configuration_, links, storage.streams.first(links.count()),
               {report_, parameters_, parameter_service_, ftp_, logs_}),
       texts_(links),
-      time_asker_(time, links, router_, configuration_.start.tick_us),
+      timesync_(time, links, router_, configuration_.start.tick_us),
       heartbeat_due_(kSecond_us, configuration_.start.tick_us / 2) {
   refresh();
 }

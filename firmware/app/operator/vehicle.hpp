@@ -25,9 +25,9 @@
 #include "app/operator/setpoint.hpp"
 #include "app/operator/setpoints.hpp"
 #include "app/operator/storage.hpp"
+#include "app/operator/telemetry/status_texts.hpp"
 #include "app/operator/telemetry/telemetry_sender.hpp"
-#include "app/operator/telemetry/texts.hpp"
-#include "app/operator/time_asker.hpp"
+#include "app/operator/timesync_sender.hpp"
 #include "app/supervisor.hpp"
 #include "link/mavlink/ftp_server.hpp"
 
@@ -105,7 +105,7 @@ class Vehicle {
   void tell(link::Counters& counters);
 
   TelemetrySender& sender() { return sender_; }
-  Texts& texts() { return texts_; }
+  StatusTexts& texts() { return texts_; }
   SailingOrders& orders() { return orders_; }
   const SailingOrders& orders() const { return orders_; }
   MissionService& missions() { return missions_; }
@@ -191,8 +191,8 @@ class Vehicle {
   link::FtpServer ftp_;
   Report report_;  // the last one, with the present mode
   TelemetrySender sender_;
-  Texts texts_;
-  TimeAsker time_asker_;
+  StatusTexts texts_;
+  TimesyncSender timesync_;
   SailingOrders orders_;
   struct Stop {
     std::int64_t us = 0;

@@ -322,7 +322,7 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
       const std::int64_t asks_us = sender_.streams().slowed_us(kSecond_us);
       configuration_ = configuration_of(parameters_);
       sender_.streams().configure(configuration_.operators);
-      if (sender_.streams().slowed_us(kSecond_us) != asks_us) time_asker_.make_due();
+      if (sender_.streams().slowed_us(kSecond_us) != asks_us) timesync_.make_due();
       if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
       break;
     }

@@ -175,9 +175,9 @@ void TelemetrySender::send_rest(std::size_t link, link::Counters& counters) {
     if (turn == kParameters) {
       told = send_parameters(link, counters);
     } else if (turn == kFiles) {
-      told = send_files(link, counters);
+      told = send_from(from_.files, kFtpPacketsPerTick, link, counters);
     } else if (turn == kLogs) {
-      told = send_logs(link, counters);
+      told = send_from(from_.logs, kLogPacketsPerTick, link, counters);
     } else if (is_rest(kStreams[turn].pace)) {
       told = send_stream(turn, link, counters);
     }
@@ -225,21 +225,12 @@ bool TelemetrySender::send_parameters(std::size_t link, link::Counters& counters
   return told;
 }
 
-bool TelemetrySender::send_files(std::size_t link, link::Counters& counters) {
+template <class Service>
+bool TelemetrySender::send_from(Service& service, int most, std::size_t link,
+                                link::Counters& counters) {
   bool told = false;
-  for (int n = 0; n < kFtpPacketsPerTick && has_room(link); ++n) {
-    const auto packet = from_.files.next(link);
-    if (!packet) break;
-    links_.send(link, *packet, counters);
-    told = true;
-  }
-  return told;
-}
-
-bool TelemetrySender::send_logs(std::size_t link, link::Counters& counters) {
-  bool told = false;
-  for (int n = 0; n < kLogPacketsPerTick && has_room(link); ++n) {
-    const auto message = from_.logs.next(link);
+  for (int n = 0; n < most && has_room(link); ++n) {
+    const auto message = service.next(link);
     if (!message) break;
     links_.send(link, *message, counters);
     told = true;

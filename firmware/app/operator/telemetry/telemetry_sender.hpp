@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sends telemetry on every link as its bandwidth allows: first the state that followers need, then the
-// formation's reference and future, then in turn the other streams and the answers that need many
-// messages.
+// Sends telemetry on every link as its bandwidth allows: first the state that followers need, then
+// the formation's reference and future, then in turn the other streams and the answers that need
+// many messages.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ namespace flotilla::app {
 
 class TelemetrySender {
  public:
-  /// What it sends; all must outlive it.
+  /// Where it finds what to send. All must outlive this object.
   struct Sources {
     const Report& report;
     const Parameters& parameters;
@@ -98,8 +98,9 @@ class TelemetrySender {
   bool has_room(std::size_t link) const;
   bool send_stream(std::uint8_t stream, std::size_t link, link::Counters& counters);
   bool send_parameters(std::size_t link, link::Counters& counters);
-  bool send_files(std::size_t link, link::Counters& counters);
-  bool send_logs(std::size_t link, link::Counters& counters);
+  /// Sends up to `most` messages that the service owes this link.
+  template <class Service>
+  bool send_from(Service& service, int most, std::size_t link, link::Counters& counters);
 
   MavlinkLinks& links_;
   Sources from_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Asks other vessels for their time, by TIMESYNC: all of them once a second, a new leader more often.
+// Asks other vessels for their time, by TIMESYNC: all of them once a second, a new leader more
+// often.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +13,11 @@
 
 namespace flotilla::app {
 
-class TimeAsker {
+class TimesyncSender {
  public:
   /// All must outlive this.
-  TimeAsker(TimeRequests& time, MavlinkLinks& links, const Router& router, std::int64_t tick_us)
+  TimesyncSender(TimeRequests& time, MavlinkLinks& links, const Router& router,
+                 std::int64_t tick_us)
       : time_(time), links_(links), router_(router), due_(kSecond_us, tick_us / 2) {}
 
   /// Asks once a second. All vessels in range answer each other's requests, which is most of a slow

@@ -25,10 +25,10 @@ enum class Repeated : std::uint8_t {
   kSigning,
 };
 
-class Texts {
+class StatusTexts {
  public:
   /// Sends on `links`, which must outlive this.
-  explicit Texts(MavlinkLinks& links) : links_(links) {}
+  explicit StatusTexts(MavlinkLinks& links) : links_(links) {}
 
   /// Sends a text, in chunks of 50 characters if it is longer.
   void send(std::uint8_t severity, std::initializer_list<std::string_view> parts,

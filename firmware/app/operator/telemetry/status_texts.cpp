@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/operator/telemetry/texts.hpp"
+#include "app/operator/telemetry/status_texts.hpp"
 
 #include <algorithm>
 
@@ -7,8 +7,8 @@
 
 namespace flotilla::app {
 
-void Texts::send(std::uint8_t severity, std::initializer_list<std::string_view> parts,
-                 link::Counters& counters) {
+void StatusTexts::send(std::uint8_t severity, std::initializer_list<std::string_view> parts,
+                       link::Counters& counters) {
   std::array<char, 200> text{};
   std::size_t length = 0;
   for (const std::string_view part : parts) {
@@ -29,8 +29,8 @@ void Texts::send(std::uint8_t severity, std::initializer_list<std::string_view> 
   }
 }
 
-void Texts::send_complaints(std::string_view what, core::Conditions unmet,
-                            link::Counters& counters) {
+void StatusTexts::send_complaints(std::string_view what, core::Conditions unmet,
+                                  link::Counters& counters) {
   constexpr std::size_t kSentenceRoom = 200;  // a sentence of two chunks
   for_each_complaint(unmet, [&](std::string_view why) {
     if (links_.least_room() < kOwnRoom + kSentenceRoom) return;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "app/operator/time_asker.hpp"
+#include "app/operator/timesync_sender.hpp"
 
 namespace flotilla::app {
 
-void TimeAsker::ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_us,
-                    link::Counters& counters) {
+void TimesyncSender::ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_us,
+                         link::Counters& counters) {
   if (!due_.take_if_due(now_us)) return;
   const link::Timesync request = time_.ask(now_us, self);
   const std::int64_t before_us = slowed_us - kSecond_us;  // one turn less
@@ -16,8 +16,8 @@ void TimeAsker::ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_
   }
 }
 
-void TimeAsker::ask_leader(std::int64_t now_us, std::uint8_t self, std::uint8_t leader,
-                           link::Counters& counters) {
+void TimesyncSender::ask_leader(std::int64_t now_us, std::uint8_t self, std::uint8_t leader,
+                                link::Counters& counters) {
   if (!leader_due_.take_if_due(now_us)) return;
   link::Timesync request = time_.ask(now_us, self);
   request.target = {leader, 0};
