@@ -34,8 +34,8 @@ _UNSHOWN: int = mavlink.MAV_RESULT_IN_PROGRESS  # answered, but no HEARTBEAT sho
 IS_DISARMED = ("DISARMED", "FAULT")
 RESTS = ("HOLD", *IS_DISARMED)
 
-Order = Callable[[int, int], mavlink.MAVLink_message]
-"""Makes the message to a system for the nth transmission, counted from 0."""
+Order = Callable[[int, int, int], mavlink.MAVLink_message]
+"""Makes the message to a system and component for the nth transmission, counted from 0."""
 
 
 class Answer(NamedTuple):
@@ -60,9 +60,9 @@ def long(request: Request) -> Order:
     command, params = request
     seven = (*params, *(0.0,) * (7 - len(params)))
 
-    def message(system: int, count: int) -> mavlink.MAVLink_message:
+    def message(system: int, component: int, count: int) -> mavlink.MAVLink_message:
         return mavlink.MAVLink_command_long_message(
-            system, mavlink.MAV_COMP_ID_AUTOPILOT1, command, min(count, 255), *seven
+            system, component, command, min(count, 255), *seven
         )
 
     return message
@@ -71,11 +71,11 @@ def long(request: Request) -> Order:
 def go_to(latitude: int, longitude: int) -> Order:
     """An order to sail to a place (degE7) in GUIDED, and wait there."""
 
-    def message(system: int, count: int) -> mavlink.MAVLink_message:  # noqa: ARG001
+    def message(system: int, component: int, count: int) -> mavlink.MAVLink_message:  # noqa: ARG001
         changes_mode, same_speed = 1.0, -1.0
         return mavlink.MAVLink_command_int_message(
             system,
-            mavlink.MAV_COMP_ID_AUTOPILOT1,
+            component,
             mavlink.MAV_FRAME_GLOBAL_INT,
             mavlink.MAV_CMD_DO_REPOSITION,
             0,
@@ -102,7 +102,7 @@ def carry_out(
 
     With `states`, until its HEARTBEAT shows one of these after its answer.
     """
-    sent = _Sent(order(0, 0).command, station.now_s(), states)
+    sent = _Sent(order(0, 0, 0).command, station.now_s(), states)
     counts = dict.fromkeys(systems, 0)
 
     def open_ones() -> list[int]:
@@ -110,7 +110,7 @@ def carry_out(
 
     while station.now_s() - sent.since_s < PATIENCE_S and open_ones():
         for system in leader_last(station, open_ones()):
-            station.say(order(system, counts[system]), system)
+            station.say(order(system, station.component(system), counts[system]), system)
             counts[system] += 1
         station.run(_RETRY_S, lambda: not open_ones())
     results = [_result(station, system, sent) for system in systems]
@@ -125,6 +125,7 @@ def carry_out(
 def stop(station: Station, named: Sequence[int]) -> list[Answer]:
     """Disarm every boat that is heard and every boat named, each directly and by every link.
 
+    Addresses all components, because a boat that is not heard may be an autopilot's companion.
     Begins when the first boat is heard, and waits 2.5 s for others. If boats report a fleet's
     table, also sends a table that stops all of its members; boats pass it on. It also lists, and
     orders to stop, the members of every table that boats have passed on, and boats that sign with
@@ -147,7 +148,7 @@ def stop(station: Station, named: Sequence[int]) -> list[Answer]:
     while station.now_s() - since_s < STOP_PATIENCE_S and not is_over():
         known = everyone()
         for system in leader_last(station, open_ones()):
-            station.say(order(system, count))
+            station.say(order(system, mavlink.MAV_COMP_ID_ALL, count))
         # A boat that has not answered by now may really hold a table with a doubtful epoch.
         late = station.now_s() - since_s >= DISCOVERY_S
         table.send(everyone(), open_ones() if late else ())

@@ -218,8 +218,9 @@ def _sizes(station: Station, boats: Sequence[int]) -> tuple[list[float], float]:
 
     while missing() and station.now_s() - since_s < _PATIENCE_S:
         for boat, name in missing():
-            component = mavlink.MAV_COMP_ID_AUTOPILOT1
-            ask = mavlink.MAVLink_param_request_read_message(boat, component, name.encode(), -1)
+            ask = mavlink.MAVLink_param_request_read_message(
+                boat, station.component(boat), name.encode(), -1
+            )
             station.say(ask, boat)
         station.run(_RETRY_S, lambda: not missing())
     for boat, name in missing():

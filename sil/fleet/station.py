@@ -120,6 +120,10 @@ class Station:
         """System ids of the Flotilla boats: those whose autopilot's heartbeat was ever heard."""
         return sorted(self._autopilots.keys())
 
+    def component(self, system: int) -> int:
+        """The component that obeys orders to a boat: 191 if it is an autopilot's companion."""
+        return max(self._autopilots.get(system, ()), default=mavlink.MAV_COMP_ID_AUTOPILOT1)
+
     def strangers(self) -> list[int]:
         """Surface boats that are heard at present, and have not said that they run Flotilla."""
         return sorted(filter(self.is_heard, self._surface_boats - self._autopilots.keys()))

@@ -4,7 +4,10 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sil.fleet.orders import carry_out, long, stop
 from sil.fleet.station import Station
+from sil.wire.heartbeat import HOLD
+from sil.wire.operator import mode_request
 from tests.sil.fleet.waters import BOATS, Waters, beacon_message, heard
 
 
@@ -61,3 +64,31 @@ def test_a_beacon_counts_with_the_heartbeat_of_its_component(waters: Waters) -> 
     assert beacon is not None and beacon.epoch == 3
     station = heard_by(waters, beacon_message(78, 3, 5, component=191), beat_of(78, 1, *boat))
     assert station.beacon(78) is None
+
+
+def test_orders_to_a_companion_name_its_component_and_a_stop_names_all(
+    waters: Waters, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    companion = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
+    sender = mavlink.MAVLink(None, 77, companion)
+    invalid, boat = mavlink.MAV_AUTOPILOT_INVALID, mavlink.MAV_TYPE_SURFACE_BOAT
+    station = heard_by(
+        waters,
+        beat_of(77, 1, boat, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 4),
+        mavlink.MAVLink_named_value_float_message(0, b"COND", 0.0).pack(sender),
+        beat_of(77, companion, mavlink.MAV_TYPE_ONBOARD_CONTROLLER, invalid, 4),
+        beat_of(77, 1, boat, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 4),
+    )
+    assert station.boats() == [*BOATS, 77]
+    said: list[mavlink.MAVLink_message] = []
+    monkeypatch.setattr(station, "say", lambda message, system=None: said.append(message))
+
+    def components(system: int) -> set[int]:
+        orders = [m for m in said if m.get_type() == "COMMAND_LONG" and m.target_system == system]
+        return {order.target_component for order in orders}
+
+    carry_out(station, long(mode_request(HOLD)), (*BOATS, 77))
+    assert (components(1), components(77)) == ({1}, {companion})
+    said.clear()
+    stop(station, (99,))
+    assert (components(1), components(77), components(99)) == ({0}, {0}, {0})
