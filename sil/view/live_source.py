@@ -57,7 +57,7 @@ class Live:
         vessels = self._fleet.vessels(now_s)
         plans = self._fleet.drawn_plans()
         ear = self._listener.ear
-        # Plans and texts are long and seldom change; who opens the page gets them a little later.
+        # Plans and texts are long and seldom change; a page just opened gets them a little later.
         self._frames += 1
         texts_heard = self._fleet.texts_heard
         is_news = plans is not self._news[0] or texts_heard != self._news[1]

@@ -48,7 +48,7 @@ class Vessel:
         self._main = 256
         self._ours: set[int] = set()  # components that run Flotilla
         self._clocks = Clocks()
-        self._anew: tuple[Motion, Aboard] | None = None  # what another clock's sender has told
+        self._anew: tuple[Motion, Aboard] | None = None  # values from a sender with another clock
 
     def hear(self, message: Message, now_s: float) -> None:
         """Process a message of this system."""
@@ -108,7 +108,7 @@ class Vessel:
         return states.held_by(halves[0] | halves[1] << 24, self.state)
 
     def conditions_lost_s(self) -> float | None:
-        """How long ago it told its conditions, if they are known no more; else None."""
+        """Age of its conditions if they are no longer valid, s; else None."""
         lost = [self.aboard.lost_s(name, self.heard_s) for name in _CONDITIONS]
         return max((age_s for age_s in lost if age_s is not None), default=None)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""TCP connections whose other side may vanish without a word, with its router's power or its radio.
+"""TCP connections whose other side may vanish silently, with its router's power or its radio.
 
 Source: Linux, tcp(7).
 """
@@ -27,7 +27,7 @@ def notice_loss(connection: socket.socket) -> None:
 
 
 def begin_connection(family: int, server: Any) -> socket.socket:
-    """A connection that is not waited for: if it fails later, reading it fails. OSError."""
+    """Begin a connection without waiting; if it fails later, reading it fails. OSError."""
     connection = socket.socket(family, socket.SOCK_STREAM)
     connection.setblocking(False)
     notice_loss(connection)
