@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A fleet with a table: who knows it, who leads, who stops.
+// A fleet with a table: which boats hold it, which boat leads, which boats stop.
 #include <doctest/doctest.h>
 
 #include "app/fleet/harbour.hpp"
@@ -155,7 +155,8 @@ TEST_CASE("a beacon that comes late by a slower link deposes nobody") {
           if (who + 1 != system) harbour.hear(who, beacon, {system, 1});
         }
       };
-      hear(system == 1 ? 3 : 1, static_cast<std::uint8_t>(late + 20));  // fit; boat 1 leads
+      hear(system == 1 ? 3 : 1,
+           static_cast<std::uint8_t>(late + 20));  // fit; reports that boat 1 leads
       hear(0, late);
       for (int tick = 0; tick < 100; ++tick) {
         harbour.sail(0.01);
@@ -209,7 +210,7 @@ TEST_CASE("a boat that is to lead follows none of those that are to follow it") 
   harbour.sail(3);
   CHECK(harbour.leader_of(1) == 100);
   CHECK(harbour.leader_of(0) == 2);
-  harbour.boats[1].own.leader = 1;  // the parameters name one of them too
+  harbour.boats[1].own.leader = 1;  // the parameters name the same leader
   next.epoch = 3;
   harbour.hear(0, message_of(next, 0), kOperator);
   harbour.sail(3);

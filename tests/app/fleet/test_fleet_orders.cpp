@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an operator orders stays ordered: the rule of succession neither undoes nor outlives it.
+// The rule of succession respects an operator's orders: it does not undo them.
 #include <doctest/doctest.h>
 
 #include <initializer_list>
@@ -97,7 +97,7 @@ TEST_CASE("another slot for the boat that leads does not end its lead") {
   CHECK(harbour.leader_of(1) == 1);
 }
 
-/// Boat 2 has taken over, is to yield to boat 1, which is back, and cannot follow yet.
+/// Boat 2 has taken over. Boat 1 is back, so boat 2 must yield to it, but cannot follow it yet.
 Harbour yielding() {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;

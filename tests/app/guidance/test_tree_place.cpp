@@ -19,7 +19,7 @@ TreePath path_of(std::initializer_list<std::uint8_t> ids) {
   return path;
 }
 
-/// What a leader in a line tells, 3 m behind the maker.
+/// The message of a leader in a line, 3 m behind the maker.
 link::FormationReference word(std::initializer_list<std::uint8_t> path = {kMaker, kRoot}) {
   link::FormationReference m{};
   m.root = kRoot;
@@ -61,7 +61,7 @@ TEST_CASE("a slot that turns is added to what turns with the root") {
   p.hear(word(), 0, 0);
   CHECK(p.offset(0)->n == convert::WireOffset{-3072, 0});
   CHECK(p.offset(0)->b == convert::WireOffset{-1024, 2048});
-  // A slot that does not turn, behind one that does, is carried along.
+  // A slot that does not turn, behind one that does, moves with it.
   TreePlace behind = place(false);
   auto m = word();
   m.offset_b = {-1024, 2048};

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kLimit_us = 500'000, kHour_us = 3'600'000'000;
 
-/// A vessel of system 5 on a straight course north at 2 m/s: what its component 1 says of time t.
+/// A state from component 1 of system 5, a vessel on a straight course north at 2 m/s.
 link::Odometry at(std::int64_t stamp_us, float north_m, float speed = 2) {
   link::Odometry m{};
   m.time_usec = static_cast<std::uint64_t>(stamp_us);
@@ -313,7 +313,7 @@ TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offs
   w.hear(link::GpsGlobalOrigin{950'000'000, 0, 0, 0}, 0);
   CHECK_FALSE(w.track.has_origin());
   w.hear(link::GpsGlobalOrigin{410'000'000, 20'000'000, 0, 0}, 0);
-  CHECK_FALSE(w.track.has_origin());  // of whom, is not known before there is a state
+  CHECK_FALSE(w.track.has_origin());  // the component is unknown before the first state
   w.hear(at(1000, 7), 1000);
   CHECK(w.track.has_origin());
   CHECK(w.track.position().origin.latitude == 410'000'000);
@@ -323,7 +323,8 @@ TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offs
   CHECK(convert::number(track.position().east_m) == doctest::Approx(-0.5));
 }
 
-// What the four sources say of a vessel that sails north at 2 m/s; each is told by its own place.
+// The messages of four sources of a vessel that sails north at 2 m/s. Each source has its own
+// place, by which the tests recognise it.
 
 constexpr std::int64_t kPeriod_us = 100'000;
 const link::GpsGlobalOrigin kOrigin{487'000'000, 22'950'000, 0, 0};
@@ -361,7 +362,7 @@ struct FourSources : Watch<S> {
   bool odometry = false, local = false, follow = false, global = false, origin = true;
   std::int64_t now_us = 1'000'000;
 
-  /// Ten rounds a second.
+  /// Sends all active sources ten times a second.
   void sail(double seconds) {
     const std::int64_t end = now_us + static_cast<std::int64_t>(seconds * 1e6);
     for (; now_us < end; now_us += kPeriod_us) {
@@ -373,7 +374,7 @@ struct FourSources : Watch<S> {
       if (odometry) this->hear(odometry_at(now_us, kOdometryEast), now_us);
     }
   }
-  /// East of the origin, and to centimetres which source was believed.
+  /// Whether the position has this offset to the east, which identifies the source in use.
   bool believes(double east_m) const {
     return std::abs(convert::number(this->track.position().east_m) - east_m) < 0.03;
   }
@@ -430,7 +431,7 @@ TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the o
   };
   std::int64_t us = 1'000'000;
   CHECK(hear(us, 22'950'000));
-  // A second until another place is believed.
+  // It takes a second until another place is believed.
   for (int k = 0; k < 11; ++k) hear(us += 100'000, 22'950'000 - 1'800'000'000);
   CHECK_FALSE(hear(us += 100'000, 22'950'000 - 1'800'000'000));
   for (int k = 0; k < 11; ++k) hear(us += 100'000, 22'950'100);

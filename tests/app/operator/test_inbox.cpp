@@ -20,7 +20,7 @@ PendingRequest pending(const RequestMessage& message, std::uint8_t link = 0,
 PendingRequest command(std::uint16_t id, float first = 0) {
   return pending(link::CommandLong{id, {first, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
 }
-/// A stop makes all void that was kept.
+/// A stop discards all requests that were kept.
 template <class Answer>
 bool take(Inbox& inbox, Answer answer) {
   return inbox.take_each(answer, [](const PendingRequest&) { return true; });
@@ -202,7 +202,7 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
     link::Counters counters;
     for (std::size_t i = 0; i < many; ++i) {
       if (i != at) {
-        // An arming is no disarm, whatever it is about.
+        // A request to arm is never a disarm, whatever its other parameters are.
         const bool arm = random() % 2 == 0;
         inbox.push(
             arm ? command(mav::kCmdComponentArmDisarm, 1) : pending(link::ParamRequestList{{1, 1}}),

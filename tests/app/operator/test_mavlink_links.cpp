@@ -30,7 +30,7 @@ struct Ship {
   }
   void send(std::size_t link, const link::Message& m) { links.send(link, m, counters); }
 
-  /// How many messages these bytes complete.
+  /// Number of messages that these bytes complete.
   int come(std::span<const std::uint8_t> in, std::int64_t now_us) {
     CHECK(links.fill(0, in) == in.size());
     link::Received received;
@@ -251,7 +251,7 @@ TEST_CASE("under a new id every link goes on counting where it was") {
   for (std::uint8_t k = 0; k < 4; ++k) CHECK(on_0[k].sequence == k);
 }
 
-// A message that breaks off.
+// A message that is cut off.
 
 TEST_CASE("behind the false start of a message that is given up, another one is found") {
   link::MavlinkEncoder encoder({255, 190});
@@ -310,7 +310,7 @@ TEST_CASE("each message has its own 0.3 s, though the link is never quiet") {
   CHECK(found == static_cast<int>(stream.size() / 40));
 }
 
-// What comes in, as a link's policy sees it.
+// Reception under each policy of a link.
 
 enum class Mark { kNone, kGood, kForged };
 

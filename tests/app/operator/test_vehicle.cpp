@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// States of a vehicle: modes, arming, sticks, refusals and what is told of them.
+// States of a vehicle: modes, arming, sticks, refusals, and the texts about them.
 #include <array>
 
 #include "app/operator/ship.hpp"

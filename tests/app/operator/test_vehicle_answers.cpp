@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is asked of a vehicle is answered, to who asked, in order.
+// A vehicle answers each request, to its sender, in order.
 #include <array>
 #include <random>
 
@@ -57,7 +57,7 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
   CHECK(s.all<link::AvailableModes>().empty());
 }
 
-/// In which ticks of the next ones the reference was told, `told` s.
+/// The ticks, among the next `ticks`, in which the reference was sent.
 std::vector<int> references(Ship& s, int ticks, const std::function<bool(int)>& is_news) {
   std::vector<int> told;
   for (int k = 0; k < ticks; ++k) {
@@ -196,7 +196,7 @@ TEST_CASE("modes are listed all for 0, and one by one for their index") {
   }
 }
 
-/// The interval that MESSAGE_INTERVAL tells.
+/// The interval in MESSAGE_INTERVAL.
 std::int32_t told_interval(Ship& s, std::uint16_t id) {
   s.command(mav::kCmdGetMessageInterval, id);
   s.tick();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who may command a vehicle, and what is meant for others.
+// Rights to command a vehicle, and messages addressed to others.
 #include <array>
 
 #include "app/operator/ship.hpp"
@@ -48,7 +48,7 @@ TEST_CASE("where one ground station commands, no other does; all may read and st
   CHECK(s.state() == State::kDisarmed);
 }
 
-/// Asks for a mode by a command, first sent or sent again.
+/// Requests a mode by a command, sent for the first time or repeated.
 void ask_mode(Ship& s, link::MavlinkEncoder& who, float mode, std::size_t link,
               std::uint8_t confirmation = 0) {
   s.hear(who, link::CommandLong{mav::kCmdDoSetMode, {1, mode, 0, 0, 0, 0, 0}, {1, 1}, confirmation},
