@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a boat is told by its host, and what the host gets from it.
+// The host's reports to the boat, and the boat's output to its host.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -265,7 +265,7 @@ TEST_CASE_TEMPLATE("a host's clock that was set back by an hour is followed afte
   h.now_us -= kHour_us;
   h.leader_clock_us += kHour_us;
   h.sail(1.1);
-  // While time stands still nothing can be trusted, the ESCs included.
+  // While time stands still, no data can be trusted, including the ESCs'.
   CHECK(h.stopped());
   CHECK(h.boat.state() == State::kFault);
   const std::uint32_t counted = h.boat.snapshot().counters.clock_went_back;

@@ -18,8 +18,8 @@ struct Moments {
   double rms = 0, swing = 0;  ///< of the yaw moment, N m; of the bow, rad
 };
 
-/// Behind a leader at rest, of which it hears 20 times a second with σ 0.02 m/s and 0.0035 rad/s, a
-/// boat lies `aside` from its slot.
+/// A boat lies `aside` from its slot behind a leader at rest, whose state arrives 20 times a second
+/// with σ 0.02 m/s and 0.0035 rad/s.
 template <class S>
 Moments beside_a_noisy_leader(double aside, std::uint32_t seed) {
   Random random(seed);
@@ -162,7 +162,8 @@ TEST_CASE_TEMPLATE("nothing that a boat meets makes it ask for more than its lim
   CHECK(std::min({yields, approaches, runs}) > 500);
 }
 
-/// Off the track of a leader at 0.4 m/s, with a force from astern; how far off at the end.
+/// A boat off the track of a leader at 0.4 m/s, with a force from astern; its distance from the
+/// track at the end.
 template <class S>
 double off_before_the_wind(double push_N, double aside) {
   const auto params = testing::products_law<S>();

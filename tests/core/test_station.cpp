@@ -20,14 +20,15 @@ S of(double x) {
   }
 }
 
-/// A boat that is told how far from its slot it is, tick by tick.
+/// A boat with a given distance from its slot in each tick.
 template <class S>
 struct Watch {
   StationParams<S> params{.D = S(5), .Delta = S(1), .r_max = S(0.8)};
   StationState<S> state{};
   StationInput<S> in{};
 
-  /// For so long; off(t): distance t seconds after its begin. The time until it is astray, or −1.
+  /// Passes `seconds`; off(t): distance t seconds after the start. Returns the time until the
+  /// station is lost, or −1.
   template <class Off>
   double pass(double seconds, Off off) {
     for (int k = 0; k < std::lround(seconds * 50); ++k) {

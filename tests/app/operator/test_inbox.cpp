@@ -202,7 +202,7 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
     link::Counters counters;
     for (std::size_t i = 0; i < many; ++i) {
       if (i != at) {
-        // A request to arm is never a disarm, whatever its other parameters are.
+        // Neither of these requests disarms.
         const bool arm = random() % 2 == 0;
         inbox.push(
             arm ? command(mav::kCmdComponentArmDisarm, 1) : pending(link::ParamRequestList{{1, 1}}),

@@ -74,7 +74,7 @@ class Peer {
   FileDescriptor socket_{::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW)};
 };
 
-/// vcan1 is there, up, with an empty queue, whatever a test before did to it.
+/// vcan1 exists and is up, with an empty queue, regardless of earlier tests.
 struct Interface {
   Interface() {
     if (if_nametoindex(kInterface.c_str()) != 0) shell("ip link delete " + kInterface);
@@ -104,7 +104,7 @@ bool next(CanBus& bus, link::CanFrame& frame) {
   return true;
 }
 
-/// Reads until `counter` has become 1 more than it is.
+/// Reads until `counter` has increased by 1.
 bool await(SocketCanBus& bus, const std::uint64_t& counter) {
   const std::uint64_t desired = counter + 1;
   link::CanFrame frame;

@@ -330,7 +330,7 @@ TEST_CASE("the value sent is the one in force then, not the one in force when it
   check_answer_to_all(boat, *find_parameter("LAW_KX"));
 }
 
-/// Number of rounds until `wanted` is sent; one message is sent per round, after `flood`.
+/// Number of rounds until a message is `desired`; one message is sent per round, after `flood`.
 template <class Flood, class Desired>
 int rounds_until(Boat& boat, Flood flood, Desired desired) {
   for (int round = 1; round <= 1000; ++round) {
