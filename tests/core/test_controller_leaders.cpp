@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("the noise of a leader at rest is not worth a tenth of a newt
       const Moments seen = beside_a_noisy_leader<S>(aside, seed);
       CAPTURE(seen.swing);
       CHECK(seen.rms < 0.1);
-      CHECK(seen.rms > 1e-3);  // it is heard
+      CHECK(seen.rms > 1e-3);  // the noise has an effect
       CHECK(seen.swing < 0.03);
     }
   }
@@ -102,7 +102,7 @@ TEST_CASE_TEMPLATE("a leader faster than LAW_U_MAX is followed at LAW_U_MAX, and
       REQUIRE(double(out.desired.nu_star.u) <= 1.5);
     }
     INFO("from ", behind, " m behind, at the end ", off, " m");
-    CHECK(off < 7);  // on its circle of 11 m it is never left behind
+    CHECK(off < 7);  // on its circle of 11 m it never falls behind
     CHECK(double(out.too_fast.u) == doctest::Approx(leader.back().nu.u).epsilon(0.01));
     CHECK(double(out.too_fast.r) == 0);
   }

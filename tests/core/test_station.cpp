@@ -180,7 +180,7 @@ TEST_CASE_TEMPLATE("a boat that spins for two seconds is out of formation, in it
     for (const double r : {1.1, -1.1}) {
       Watch<S> w;
       w.stay(4, off_m);
-      w.in.r = S(0.9);  // beyond the limit by no margin
+      w.in.r = S(0.9);  // hardly beyond the limit
       CHECK(w.stay(10, off_m) == -1);
       w.in.r = of<S>(r);
       CHECK(w.stay(1.9, off_m) == -1);

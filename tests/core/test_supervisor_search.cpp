@@ -286,7 +286,7 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
       kStops | in(kHold, kManual, kFormation, kAuto, kGuided, kLoiter, kReturn);
   CHECK(next[0] == (kStops | in(kHold)));
   CHECK(next[1] == (kDriven | in(kTest)));
-  CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are gone, then a test is asked for
+  CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are lost, then a test is requested
   CHECK(next[3] == (kDriven | in(kCoast, kTest)));
   CHECK(next[4] == (kDriven | in(kCoast, kTest)));
   CHECK(next[5] == (kDriven | in(kTest)));

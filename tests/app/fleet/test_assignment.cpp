@@ -199,7 +199,7 @@ TEST_CASE("a leader that sails faster later slows only the rest of the move down
     fastest_mps = std::max(fastest_mps, mps);
   }
   CHECK(fastest_mps > 0.97 * 1.5 - 0.01);
-  requested.members[1].slot_cm = {-4000, 500};  // nobody moves
+  requested.members[1].slot_cm = {-4000, 500};  // no boat moves
   CHECK(assigned(requested, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, 0).move_ds ==
         0);
 }

@@ -349,7 +349,7 @@ TEST_CASE("an operator's own leader or slot is above the table until the next on
   harbour.boats[0].on = false;
   harbour.boats[1].state = core::State::kHold;
   harbour.sail(5);
-  CHECK(harbour.boats[2].state == core::State::kFormation);  // it takes nothing over
+  CHECK(harbour.boats[2].state == core::State::kFormation);  // it does not take over
   CHECK(harbour.boats[3].state == core::State::kAuto);
 }
 
@@ -371,7 +371,7 @@ TEST_CASE("a stop is ordered once, also to a boat in HOLD or under an RC pilot")
   }
   for (int tick = 0; tick < 100; ++tick) {
     harbour.sail(0.01);
-    harbour.boats[2].state = core::State::kManual;  // as an RC pilot's switch does
+    harbour.boats[2].state = core::State::kManual;  // as by an RC pilot's switch
   }
   for (const Boat& boat : harbour.boats) CHECK(boat.stops == 1);
 }

@@ -56,7 +56,7 @@ TEST_CASE("a request to give the places: who hears it does, and all agree") {
   CHECK(harbour.applied(3).FORM_OFS_N == -12);
   for (std::size_t i : {1U, 3U}) CHECK(harbour.applied(i).FORM_OFS_E == 1);
   wish.members[3].slot_cm = {-800, 900};
-  harbour.hear(1, message_of(wish, 0), kOperator);  // an epoch that all have
+  harbour.hear(1, message_of(wish, 0), kOperator);  // an epoch that all boats have
   harbour.sail(30);
   CHECK(harbour.applied(3).FORM_OFS_E == 1);
 }

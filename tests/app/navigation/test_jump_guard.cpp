@@ -70,7 +70,7 @@ TEST_CASE_TEMPLATE("a place that is told for a second, five times, is believed",
   CHECK(w.east_m() == 50);
   CHECK_FALSE(w.steady());
   CHECK(w.track.jumped());
-  CHECK(double(w.track.motion(w.now_us).nu_dot.u) == doctest::Approx(0));  // no motion led there
+  CHECK(double(w.track.motion(w.now_us).nu_dot.u) == doctest::Approx(0));  // the jump is no motion
   w.sail(1.1, 50);
   CHECK(w.steady());
   CHECK(w.track.jumped());  // until that is accepted

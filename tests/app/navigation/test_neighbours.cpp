@@ -116,7 +116,7 @@ TEST_CASE("a state that is five seconds late is none: its vessel is forgotten, n
   CHECK(w.look(60 * kSecond_us).count == 0);
   CHECK(w.neighbours.late(60 * kSecond_us) == 5);
   w.tell(60 * kSecond_us, 60 * kSecond_us);
-  CHECK(w.neighbours.late(60 * kSecond_us) == 5);  // another one of its id may be the late one
+  CHECK(w.neighbours.late(60 * kSecond_us) == 5);  // another vessel with its id may be the late one
   CHECK_FALSE(w.neighbours.late(63 * kSecond_us));
   CHECK(w.off_m(60 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
 }
@@ -261,7 +261,7 @@ TEST_CASE(
   Watch w;
   w.hear(5, beat(link::mav::kTypeSurfaceBoat, link::mav::kAutopilotInvalid));
   w.hear(5, at(5, 0));
-  w.hear(6, at(5, 0));  // never a heartbeat
+  w.hear(6, at(5, 0));  // without any heartbeat
   w.hear(7, beat());
   w.hear(7, at(5, 0), 0, 220);
   w.hear(kOwn, beat());
@@ -279,7 +279,7 @@ TEST_CASE("a place that cannot be is passed over, and so is one in another ocean
   w.hear(5, link::GlobalPositionInt{});
   w.hear(5, at(8000, 0));
   CHECK(w.look().count == 0);
-  w.own.origin = {};  // nobody knows where we are ourselves
+  w.own.origin = {};  // our own place is unknown
   w.hear(5, at(5, 0));
   CHECK(w.look().count == 0);
 }
@@ -473,7 +473,7 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   w.meet(31, 0, 20, 1);
   const link::GpsGlobalOrigin origin{kLatitude, kLongitude, 0, 0};
   w.hear(32, beat());
-  w.hear(32, origin);  // nobody knows yet how near it is
+  w.hear(32, origin);  // its distance is still unknown
   const auto seen = w.look();
   CHECK(seen.count == 8);
   double farthest_m = 0;
@@ -482,7 +482,7 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   w.hear(32, link::LocalPositionNed{0, 5, 0, 0, 1, 0, 0});
   const auto now = w.look();
   CHECK(std::ranges::any_of(std::span(now.vessels).first(now.count), [](const auto& v) {
-    return core::length(v.p_n) < 6;  // near after all, though it only tells a local place
+    return core::length(v.p_n) < 6;  // it is near, although it sends only local places
   }));
 }
 

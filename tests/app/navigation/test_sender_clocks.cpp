@@ -82,7 +82,7 @@ TEST_CASE("a message that comes after a later one, by a slower link, is known to
     const auto first = fast.speak(clocks, us);
     REQUIRE(first);
     CHECK_FALSE(first->overtaken);
-    CHECK(std::abs(first->us - us) <= 20'000);  // the late copies do not restart its clock
+    CHECK(std::abs(first->us - us) <= 20'000);  // late copies do not count as a restarted clock
     if (us % 200'000 == 0) fast.answer(clocks, us);
     const auto copy = slow.speak(clocks, us - 1'700'000);
     REQUIRE(copy);

@@ -182,7 +182,8 @@ TEST_CASE_TEMPLATE("no motion led from before a reset of the estimate to where i
   CHECK(w.track.age_us(2'100'000) == 0);
   CHECK(w.track.fresh(2'100'000, kLimit_us));
   const auto motion = w.track.motion(2'100'000);
-  CHECK(double(motion.nu_dot.u) == doctest::Approx(0));  // the velocity's leap is no acceleration
+  CHECK(double(motion.nu_dot.u) ==
+        doctest::Approx(0));  // the step of the velocity is no acceleration
   CHECK(double(motion.nu.u) == doctest::Approx(-2));
 }
 
@@ -300,7 +301,7 @@ TEST_CASE_TEMPLATE("TIMESYNC tells the age of a message that was long on its way
                    double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 3'000'000; t += 100'000) w.hear(at(t + kHour_us, 0), t + 80'000);
-  CHECK(w.track.age_us(3'000'000) == 20'000);  // believes the quickest way took no time
+  CHECK(w.track.age_us(3'000'000) == 20'000);  // the fastest message counts as undelayed
   w.track.answered({5, 1}, 2'000'000, 2'080'000 + kHour_us, 2'160'000);
   CHECK(w.track.age_us(3'000'000) == 100'000);
   w.track.answered({6, 1}, 2'000'000, 2'000'000 + kHour_us, 2'160'000);
@@ -512,7 +513,7 @@ TEST_CASE_TEMPLATE("a vessel whose FOLLOW_TARGET has no attitude takes ATTITUDE'
   w.hear(link::Attitude{900, 0, 0, 0.5F, 0, 0, 0.1F}, 1'000'000);
   w.hear(m, 1'000'000);
   CHECK(double(w.track.take_fix().value().psi) == doctest::Approx(0.51));
-  m.timestamp = 1'700'000'000'000;  // a clock that ATTITUDE does not know
+  m.timestamp = 1'700'000'000'000;  // a clock other than ATTITUDE's
   w.hear(m, 1'100'000);
   CHECK(w.counters.mavlink_no_heading == 2);
 }
@@ -546,7 +547,7 @@ TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before",
   link::Odometry frd = odometry_at(w.now_us, 0);
   frd.frame_id = 20;
   w.hear(frd, w.now_us);
-  w.track.follow(5);  // nobody new
+  w.track.follow(5);  // the same vessel
   CHECK(w.track.fresh(w.now_us, kLimit_us));
   w.track.follow(7);
   CHECK_FALSE(w.track.age_us(w.now_us));
@@ -554,11 +555,11 @@ TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before",
   CHECK_FALSE(w.track.has_origin());
   CHECK_FALSE(w.track.take_frame_warning());
   w.hear(odometry_at(w.now_us, 0), w.now_us);
-  CHECK_FALSE(w.track.age_us(w.now_us));  // the old one's voice
+  CHECK_FALSE(w.track.age_us(w.now_us));  // a message of the old vessel
   w.hear(local_at(w.now_us, 3), w.now_us, {7, 1});
   CHECK(w.counters.mavlink_no_heading == 1);  // the old one's ATTITUDE is not the new one's
   w.hear(at(50'000, 3), w.now_us, {7, 1});
-  CHECK(w.track.age_us(w.now_us) == 0);  // nor are its clock and stamps
+  CHECK(w.track.age_us(w.now_us) == 0);  // nor are its clock and stamps used
   CHECK(w.track.position().north_m == 3);
   CHECK(double(w.track.motion(w.now_us).nu_dot.u) == 0);
 }

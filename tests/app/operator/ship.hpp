@@ -62,7 +62,7 @@ struct Ship {
   core::Conditions world = kFair;
   std::int64_t now_us = kSecond_us;
   bool own_known = true;
-  bool changed = false;  ///< since somebody looked: a parameter or the identity
+  bool changed = false;  ///< a parameter or the identity, since the last query
   std::vector<std::vector<link::Received>> heard;  ///< of the last tick
   std::vector<link::MavlinkDecoder> decoders;
   std::vector<link::Received> left_over;  ///< what the vehicle leaves to the boat

@@ -81,7 +81,7 @@ TEST_CASE("what cannot be answered yet keeps its place, and so does what comes b
     std::vector<std::uint16_t> seen, kept;
     bool last = false;
     const bool said_last = take(inbox, [&](const PendingRequest& pending) {
-      REQUIRE_FALSE(last);  // nobody is asked behind the last
+      REQUIRE_FALSE(last);  // no request is answered after the last
       seen.push_back(id_of(pending));
       const auto chance = random() % 8;
       last = chance == 0;
@@ -157,7 +157,7 @@ TEST_CASE("no stop is ever lost, however full the inbox, nor answered before wha
     for (auto n = random() % most; n > 0; --n) {
       PendingRequest one =
           random() % 8 == 0 ? stop(random()) : command(mav::kCmdComponentArmDisarm, 1);
-      if (stops(one) && owed == kHolds) continue;  // as many stops are waiting already
+      if (stops(one) && owed == kHolds) continue;  // enough stops are waiting already
       one.read_us = static_cast<std::int64_t>(++pushed);
       owed += stops(one) ? 1U : 0U;
       inbox.push(one, counters);

@@ -107,7 +107,7 @@ TEST_CASE("others' traffic on a slow link keeps to what is not the state's, whic
   s.links.bucket(0).limit(1000);
   const Bytes file = any_bytes(280, 1);
   std::size_t handed_on = 0, states = 0;
-  for (int k = 0; k < 12'000; ++k) {  // two minutes of somebody's file
+  for (int k = 0; k < 12'000; ++k) {  // two minutes of a file transfer
     s.links.forward(0, file, false, s.counters);
     s.links.forward(0, file, false, s.counters);
     s.links.begin(kTick_us);
@@ -288,7 +288,7 @@ TEST_CASE("the rest of a message is waited for 0.3 s, however it trickles in, an
     CHECK_FALSE(s.links.timed_out(0, 300'000));
     CHECK(s.links.timed_out(0, 300'001));
     CHECK_FALSE(s.links.timed_out(1, 300'001));
-    CHECK(s.come(all.subspan(cut), 300'001) == 1);  // still whole where nobody gave it up
+    CHECK(s.come(all.subspan(cut), 300'001) == 1);  // still whole if it was not given up
     CHECK_FALSE(s.links.timed_out(0, 3600 * kSecond_us));
   }
 }
@@ -380,7 +380,7 @@ TEST_CASE("a radio may say how full its buffer is without a signature, but not w
   CHECK(taken(false, Mark::kNone, 68));
   CHECK_FALSE(taken(true, Mark::kForged, 68));
   CHECK_FALSE(taken(true, Mark::kNone, 190));
-  CHECK_FALSE(taken(true, Mark::kNone, 68, true));  // nobody's serial line
+  CHECK_FALSE(taken(true, Mark::kNone, 68, true));  // not on a serial line
 }
 
 TEST_CASE("a link signs what it sends if its policy says so and there is a key, with its own id") {

@@ -65,7 +65,7 @@ TEST_CASE("who was not heard for ten seconds is there no more, on each link for 
   CHECK(router.beyond({2, 1}, 0, kGone_us - 1) == 0b110);
   CHECK(router.beyond({2, 1}, 1, kGone_us - 1) == 0);
   CHECK(router.beyond({2, 1}, 0, kGone_us) == 0b100);
-  CHECK(router.beyond({2, 1}, 1, kGone_us) == 0b100);  // no longer heard where it came by
+  CHECK(router.beyond({2, 1}, 1, kGone_us) == 0b100);  // no longer heard on its link
   CHECK(router.beyond({2, 0}, 0, kGone_us + 4'000'000) == 0);
   router.heard({2, 1}, 1, 2 * kGone_us);
   CHECK(router.beyond({2, 1}, 0, 2 * kGone_us) == 0b010);

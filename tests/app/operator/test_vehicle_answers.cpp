@@ -112,7 +112,7 @@ TEST_CASE("what was set is in force before anything that was asked behind it") {
   s.set("LAW_KX", 0.5F);                      // too
   s.vehicle->begin(s.now_us, kTick_us);
   s.vehicle->apply_conditions(s.world, s.counters);
-  CHECK(s.vehicle->answer(s.counters));  // there is more, but first:
+  CHECK(s.vehicle->answer(s.counters));  // more requests are pending; the change comes first:
   CHECK(s.vehicle->parameters().MAV_GCS_SYSID == 99);
   CHECK(s.links.bytes(0).empty());
   CHECK(s.take_change());
@@ -293,7 +293,7 @@ TEST_CASE("pings, clocks and missions are answered to who asked, on his link alo
   s.tick();
   const std::int64_t read_us = s.now_us;
   s.ask(link::Ping{123, 9, {}}, 1);
-  s.ask(link::Ping{123, 10, {255, 190}}, 1);  // an answer, and not ours
+  s.ask(link::Ping{123, 10, {255, 190}}, 1);  // an answer, not a request to us
   s.ask(link::Timesync{0, 42}, 1);
   s.ask(link::MissionRequestList{{1, 1}, 1}, 1);
   s.ask(link::MissionRequestList{{1, 1}, 0}, 1);

@@ -33,7 +33,7 @@ TEST_CASE("where one ground station commands, no other does; all may read and st
   CHECK(s.all<link::CommandAck>().empty());
   std::size_t errors = s.all<link::ParamError>().size();
   for (const auto& r : s.heard[0]) errors += std::holds_alternative<std::monostate>(r.message);
-  CHECK(errors >= 1);  // PARAM_ERROR is none of what we read
+  CHECK(errors >= 1);  // boats do not read PARAM_ERROR
   CHECK(s.values("FORM_OFS_N").size() <= 1);
   CHECK(s.state() == State::kFormation);
   CHECK(s.vehicle->parameters().FORM_OFS_N == 0);
@@ -305,7 +305,7 @@ TEST_CASE("another sender under our ids is reported every ten seconds; our own e
       }
     }
   };
-  for (int k = 0; k < 2500; ++k) {  // what link 0 sends comes back on link 1
+  for (int k = 0; k < 2500; ++k) {  // link 0's output comes back on link 1
     s.tick();
     count();
     const auto out = s.links.bytes(0);

@@ -96,7 +96,7 @@ TEST_CASE_TEMPLATE("an old fix is carried forward to now", S, float, double) {
   observer_correct(raw<S>(), vessel, at_once,
                    Fix<S>{{}, S(0.3), {S(0.5), S(0), S(0.1)}, S(0), S(0)});
   observer_forward(vessel, at_once, tau, S(0.1));
-  observer_forward(vessel, late, tau, S(0.1));  // from where it did not know what it does
+  observer_forward(vessel, late, tau, S(0.1));  // from an unknown motion
   observer_correct(raw<S>(), vessel, late,
                    Fix<S>{{}, S(0.3), {S(0.5), S(0), S(0.1)}, S(0.1), S(0)});
   CHECK(late.motion.moved_n.x == at_once.motion.moved_n.x);
@@ -136,7 +136,7 @@ TEST_CASE_TEMPLATE("the first fix, and one after a gap, is believed as it is", S
   CHECK(state.b.u == S(0));
   CHECK(state.b.v == S(0));
   CHECK(state.b.r == S(0));
-  CHECK(state.c_n.x == S(0.1));  // the water goes on
+  CHECK(state.c_n.x == S(0.1));  // the current remains
 }
 
 TEST_CASE_TEMPLATE("in a current the boat is where the water and its thrust take it", S, float,

@@ -184,7 +184,7 @@ TEST_CASE_TEMPLATE("a leader that surprises may be farther off than one that sai
   for (int k = 0; k < 50; ++k) {
     track_update(TrackParams<S>{}, wild, {S(0), {S(1), S(0), S(0)}, S(0.2)});
   }
-  CHECK(wild.a == TrackParams<S>{}.a_min);  // and it is trusted again
+  CHECK(wild.a == TrackParams<S>{}.a_min);  // it counts as steady again
 }
 
 TEST_CASE_TEMPLATE("behind the S-curve the leader is never farther off than it may be", S, float,

@@ -206,7 +206,7 @@ TEST_CASE("what is exempt counts at any age, but once, and nothing older than it
     CHECK_FALSE(boat.take_exemption(frame, beat));
     CHECK_FALSE(boat.take_exemption(Sender{{1, 1}}.frame(at - 1), beat));
   }
-  CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);  // nobody is shut out by it
+  CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);  // this shuts out no sender
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 1)) == kGood);
   CHECK_FALSE(Keyed().take_exemption(Sender{{1, 1}}.frame(kNow), beat));
   CHECK(boat.timestamp() == kNow);
@@ -316,7 +316,7 @@ TEST_CASE("beside a station 59 s ahead, every other boat believes what we send, 
       const Bytes ours = sent_by(boat, links[link], link);
       REQUIRE(second.check(ours) == kGood);
       REQUIRE(slow.check(ours) == kGood);
-      Keyed newcomer(clock);  // that hears both for the first time
+      Keyed newcomer(clock);  // hears both for the first time
       REQUIRE(newcomer.check(fasts) == kGood);
       REQUIRE(newcomer.check(ours) == kGood);
     }

@@ -243,7 +243,7 @@ TEST_CASE("a reader that is too slow learns how many frames the kernel threw awa
   }
   const std::uint64_t received = boat.counters().received;
   CHECK(received < kSent);
-  CHECK(boat.counters().receive_overflows == 0);  // the next frame brings the news
+  CHECK(boat.counters().receive_overflows == 0);  // the next frame brings the count
   send_and_see();
   REQUIRE(next(boat, frame));
   CHECK(boat.counters().receive_overflows == kSent - received);

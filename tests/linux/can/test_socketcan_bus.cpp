@@ -212,7 +212,7 @@ TEST_CASE("bus-off without news of a restart: a frame received later ends it, an
   Peer peer;
   link::CanFrame frame;
   REQUIRE(peer.send(CAN_ERR_FLAG | CAN_ERR_BUSOFF));
-  REQUIRE(peer.send(kNodeStatusOf21));  // was in the controller already
+  REQUIRE(peer.send(kNodeStatusOf21));  // was already in the controller
   REQUIRE(next(boat, frame));
   boat.maintain();
   boat.maintain();
@@ -443,7 +443,7 @@ TEST_CASE("a reader that is too slow learns how many frames the kernel threw awa
   CHECK(received > 100);
   CHECK(received < kSent);
   for (int i = 0; i < 2; ++i) {
-    send_and_see();  // brings the news, or none
+    send_and_see();  // receives the report, if there is one
     REQUIRE(boat.receive(frame));
     CHECK(boat.counters().receive_overflows == kSent - received);
   }

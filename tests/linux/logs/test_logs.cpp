@@ -348,7 +348,7 @@ TEST_CASE("a disk that fills up in the middle of a record leaves whole records b
       file.flush();
     }
   }
-  CHECK(files(folder.path(), ".tlog").size() == 1);  // no heap of empty files
+  CHECK(files(folder.path(), ".tlog").size() == 1);  // no collection of empty files
   file.try_again();
   file.append(record);
   file.close();

@@ -119,7 +119,7 @@ TEST_CASE("any value that is allowed by itself and beside the others is taken an
       CHECK(result.sentence.text().empty());
       CHECK(boat.values.*info.member == value);
       check_answer_to_all(boat, info);
-      if (info.name == "MAV_GCS_SYSID") continue;  // it may have locked this operator out
+      if (info.name == "MAV_GCS_SYSID") continue;  // it may lock this operator out
       CHECK(boat.set(std::string(info.name), value).outcome == Outcome::kUnchanged);
       check_answer_to_all(boat, info);
     }
@@ -176,7 +176,7 @@ TEST_CASE("while armed only what may change at any time changes") {
   for (const ParameterInfo& info : kParameterList) {
     CAPTURE(std::string(info.name));
     Boat boat;
-    // half way to an end, where there is room
+    // halfway to a limit, if there is room
     const float to = info.default_value == info.greatest ? info.least : info.greatest;
     const float value = info.whole() ? to : (info.default_value + to) / 2;
     Parameters desired;
@@ -250,7 +250,7 @@ TEST_CASE("a stranger sets nothing where one ground station alone may command") 
 }
 
 TEST_CASE("no boat follows itself: not under the id that it took, nor under the one it will have") {
-  Boat companion;  // MAV_SYSID 1 is configured, 42 was taken of its autopilot
+  Boat companion;  // MAV_SYSID 1 is configured; the autopilot's id, 42, is in use
   companion.system = 42;
   CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kRefused);
   check_refusal(companion, *find_parameter("FORM_LEADER"), mav::kParamOutOfRange);

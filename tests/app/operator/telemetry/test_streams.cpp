@@ -268,7 +268,7 @@ TEST_CASE("that which is hurried leaves at once on every link that has it, and o
     CHECK(streams.schedule(mode, link).take_if_due(3 * kSecond_us));
   }
   CHECK_FALSE(streams.schedule(mode, 3).take_if_due(kSecond_us));
-  streams.make_due(9999);  // nothing of the kind
+  streams.make_due(9999);  // no such stream
 }
 
 /// Rate of messages on a link over 100 s, as a share of ten a second.

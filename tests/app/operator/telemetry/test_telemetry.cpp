@@ -331,7 +331,7 @@ TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they
   using Status = std::pair<bool, bool>;
   Report r = full();
   r.conditions = core::kAllConditions;
-  CHECK(status_of(r, mav::kSensorGeofence) == Status{false, true});  // none to be broken
+  CHECK(status_of(r, mav::kSensorGeofence) == Status{false, true});  // no fence can be broken
   CHECK(status_of(r, mav::kSensorBattery) == Status{true, true});
   r.fenced = r.battery_limited = true;
   CHECK(status_of(r, mav::kSensorGeofence) == Status{true, true});

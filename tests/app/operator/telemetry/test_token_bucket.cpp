@@ -149,7 +149,7 @@ TEST_CASE("a link with a limit may not send before it has earned, one without al
   bucket.earn(0);
   CHECK_FALSE(bucket.for_state());
   CHECK_FALSE(bucket.for_rest());
-  bucket.earn(kTick_us);  // nothing is owed from before
+  bucket.earn(kTick_us);  // no earlier debt remains
   CHECK(bucket.for_state());
   CHECK(bucket.for_rest());
 }
