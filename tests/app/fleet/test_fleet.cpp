@@ -155,8 +155,7 @@ TEST_CASE("a beacon that comes late by a slower link deposes nobody") {
           if (who + 1 != system) harbour.hear(who, beacon, {system, 1});
         }
       };
-      hear(system == 1 ? 3 : 1,
-           static_cast<std::uint8_t>(late + 20));  // fit; reports that boat 1 leads
+      hear(system == 1 ? 3 : 1, static_cast<std::uint8_t>(late + 20));  // fit; boat 1 leads
       hear(0, late);
       for (int tick = 0; tick < 100; ++tick) {
         harbour.sail(0.01);

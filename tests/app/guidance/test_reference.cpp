@@ -297,8 +297,7 @@ TEST_CASE("a future that the reference contradicts is dropped") {
   Foreseeing f(2'000'000);  // the future is straight from now on
   REQUIRE(f.aim(2'400'000));
   CHECK(f.boat.reference.future_message(2'400'000));
-  f.hear(Follower::reference(2'900'000, ++f.sequence),
-         2'910'000);  // but the root still turns: contradiction
+  f.hear(Follower::reference(2'900'000, ++f.sequence), 2'910'000);  // but the root still turns
   f.boat.reference.make(f.boat.leader, 2'920'000);
   CHECK_FALSE(f.boat.reference.future_message(2'920'000));
   CHECK(off_m(f.boat, 3'000'000) < 0.01);

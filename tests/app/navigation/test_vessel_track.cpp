@@ -182,8 +182,7 @@ TEST_CASE_TEMPLATE("no motion led from before a reset of the estimate to where i
   CHECK(w.track.age_us(2'100'000) == 0);
   CHECK(w.track.fresh(2'100'000, kLimit_us));
   const auto motion = w.track.motion(2'100'000);
-  CHECK(double(motion.nu_dot.u) ==
-        doctest::Approx(0));  // the step of the velocity is no acceleration
+  CHECK(double(motion.nu_dot.u) == doctest::Approx(0));  // the velocity's step is no acceleration
   CHECK(double(motion.nu.u) == doctest::Approx(-2));
 }
 
