@@ -206,7 +206,7 @@ def leader_last(station: Station, systems: Iterable[int]) -> list[int]:
 def tell(answer: Answer, held: Iterable[str], signs: bool) -> str:
     """Explain why a boat did not execute its order.
 
-    `held`: what keeps it from sailing; `signs`: it signs, and the station has no key.
+    `held`: the reasons that keep it from sailing; `signs`: it signs, and the station has no key.
     """
     if answer.only_listed:
         return "not heard, known only from the fleet table"

@@ -83,7 +83,7 @@ class Live:
         return json_of(self.frame())
 
     def _alarm(self, now_s: float) -> str | None:
-        """Why nothing is heard and what to check; None if all is well."""
+        """The reason why nothing is heard, and its remedy; None if all is well."""
         if self._listener.trouble is not None:
             return f"{self._listener.address}: {self._listener.trouble}"
         if self._listener.ear.heard != self._bytes:

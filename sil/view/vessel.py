@@ -28,8 +28,8 @@ class Vessel:
     """A system that may be a vessel; `kind` is None until a HEARTBEAT identifies it as one.
 
     kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). A component
-    that has once sent what only a Flotilla sends stays one. Its position is taken from component 1,
-    else from the lowest component heard; times are the listener's, s.
+    that has once sent a message of Flotilla's alone stays one. Its position is taken from component
+    1, else from the lowest component heard; times are the listener's, s.
     """
 
     def __init__(self, system: int, now_s: float) -> None:

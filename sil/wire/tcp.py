@@ -11,7 +11,7 @@ from typing import Any
 
 _IDLE_S, _EVERY_S, _PROBES = 5, 2, 3
 _LOST_S = _IDLE_S + _EVERY_S * _PROBES
-_TRIES = 2  # after the first one: a connection that nobody answers fails after 7 s
+_TRIES = 2  # after the first one: an unanswered connection fails after 7 s
 
 
 def notice_loss(connection: socket.socket) -> None:
