@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Fails if a file of core has a floating literal outside S(...): the scalar may not be a float."""
+"""Fails if a file of core has a floating literal outside S(...): a scalar need not be a float."""
 
 import re
 import sys

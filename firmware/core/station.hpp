@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a boat under the law keeps its station: is in its slot, or gets nearer to it.
+// Whether a boat under the law keeps its station: it is in its slot or gets nearer to it.
 //
 //   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, 15 s while the bow turns to
 //                                                           the slot's heading; until it yields
