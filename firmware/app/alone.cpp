@@ -94,7 +94,7 @@ void Alone<S>::keep_fence(const Now& now) {
 }
 
 /// Whether the straight ways from the boat to the vessel that sails the errand, and to that
-/// vessel's next place, keep the fence.
+/// vessel's next place, respect the fence.
 template <class S>
 bool Alone<S>::leg_keeps_fence() const {
   const PlanVessel<S>& sailed = pilot_.plan_vessel();
@@ -102,7 +102,8 @@ bool Alone<S>::leg_keeps_fence() const {
   return is_free(convert::global_of(sailed.place())) && (!ahead || is_free(*ahead));
 }
 
-/// Whether the straight way to `ahead` keeps the fence. Outside the fence, any way may lead back.
+/// Whether the straight way to `ahead` respects the fence. Outside the fence, any way may lead
+/// back.
 template <class S>
 bool Alone<S>::is_free(const convert::GlobalPoint& ahead) const {
   constexpr Fence::Length kNone{0};
@@ -122,7 +123,7 @@ template <class S>
 core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
   const auto drive = vehicle_.orders().drive(now.now_us);
   const std::optional<Target>& target = vehicle_.orders().target();
-  // A target that is only repeated must not make the vessel that the boat follows start anew.
+  // A repeated target must not restart the vessel that the boat follows.
   if (target && !driven_ && errands_.leads_to(*target)) vehicle_.orders().take_target();
   if (target || (driven_ && !drive)) start_errand(now);
   driven_ = drive.has_value();

@@ -100,8 +100,8 @@ void Boat<S>::set_clock() {
   links_.signing().set_clock(link::signing_time(host_.unix_us), set || learnt_unix_us_);
 }
 
-/// The rest of an incomplete message will not come; the bytes behind its start may hold another
-/// one.
+/// The rest of an incomplete message will not arrive; the bytes after its start may hold another
+/// message.
 template <class S>
 void Boat<S>::give_up(std::size_t link, std::int64_t now_us) {
   while (links_.give_up(link, counters_)) take_all(link, now_us);
@@ -327,7 +327,8 @@ void Boat<S>::steer(std::int64_t now_us) {
   const bool drive = supervisor_.may_drive(conditions_, now_us);
   if (!drive || !core::law_drives(state())) law_output_ = {};
   const core::Thrust<S> desired = drive ? desired_thrust(now_us, dt) : core::Thrust<S>{};
-  // In COAST the law follows a dead-reckoned leader; telemetry reports the error to the one heard.
+  // In COAST the law follows a dead-reckoned leader; telemetry reports the error from the leader's
+  // last received state.
   const bool by_law = drive && parts_.keeps_slot();
   if (!by_law && parts_.seen()) {
     const auto slot = pilot_.look(now_us);
@@ -355,7 +356,8 @@ void Boat<S>::learn(std::int64_t now_us, S dt) {
   }
   const core::AllocationParams<S>& propellers = pilot_.law().propellers;
   const auto& propulsion = configuration().propulsion;
-  // A propeller that stands still in its dead band would look like drag; one that is stuck is weak.
+  // Without this, a propeller at rest in its dead band would look like drag. A propeller at rest at
+  // a greater thrust is stuck, and counts as weak.
   const auto given = [&](S thrust, std::uint8_t esc) {
     const bool dead = can_.rests(esc) && core::abs(thrust) < S(0.125) * propellers.F;
     return dead ? S(0) : thrust;

@@ -60,7 +60,7 @@ void FailsafeLimits::set_home(const convert::GlobalPoint& place) {
   home_ = {place.latitude, place.longitude, altitude};
 }
 
-/// A disarmed boat is inside: arming makes its position the new home.
+/// A disarmed boat counts as inside: arming makes its position the new home.
 bool FailsafeLimits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
   return !seen.armed || convert::distance_m(*left_from_, *seen.place) <= double{fence_m};

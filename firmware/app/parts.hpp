@@ -28,7 +28,7 @@ struct Parts {
   core::State state() const { return supervisor.state(); }
   const Configuration& configuration() const { return vehicle.configuration(); }
 
-  /// Own and leader's state are fresh.
+  /// The own and the leader's state are fresh.
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (met & kSeen) == kSeen;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Schedules sending at a fixed rate from a tick of another rate.
+// Schedules sending at a fixed rate, from ticks at another rate.
 #pragma once
 
 #include <cstdint>

@@ -11,9 +11,9 @@
 //  F, R    forward and reverse maximum of one propeller   N      0.1 … 500
 //  X, N    wrench, positive ahead and to starboard        N, N m ±10 000
 //
-// Not in paper, which assumes unlimited thrust. A turn with all thrust drives a boat ahead with F − R:
-// one that must brake as it turns would run past its slot, or into another boat. Half of the
-// reverse thrust is for the turn in any case.
+// Not in paper, which assumes unlimited thrust. A turn with all thrust drives a boat ahead with
+// F − R. A boat that must brake as it turns would then overshoot its slot or hit another boat. Half
+// of the reverse thrust is always reserved for the turn.
 //
 // Q16.16: tested within ±1,000 (F + R, N)
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Approach: steers the boat to a slot that it cannot follow, as the slot is at rest or too fast, or
-// that it comes to sooner on its own course.
+// Approach: steers the boat to a slot that it cannot follow, because the slot is at rest or too
+// fast, or that it reaches sooner on its own course.
 //
 //   w = ŵ_S − k_x [e_s e_c]ᵀ        ŵ_S: [u_S v_S]ᵀ; |ŵ_S|, |w| ≤ u_max
 //   q = w − c − p                   w through the water, and against the push
@@ -25,14 +25,14 @@
 //  Δ, ε      look-ahead, slot's speed below which it has no course     m, m/s  0: never; 0.15
 //  θ         turn of the bow from the slot's heading                   rad    ±π
 //
-// Not in paper, where a boat abeam of a slot at rest stays there: u* = −k_x e_x is zero. Bow or stern
-// points to the slot; the boat changes ends where that makes the turn smaller by 0.8 rad. An approach
-// begins outside 1.5 Δ and ends within 0.15 Δ, where the boat turns to its slot's heading. A boat cannot
-// hold its place with a current abeam: near a slot at rest it points its bow into what pushes it. A
-// push from straight astern shows in X alone, as c is learnt from the sway; so does a propeller that
-// stands still at a small command, hence X_n. The boat follows a slot that is too fast, and closes up
-// as far as u_max allows. A line of sight turns the bow by 1 rad at the most: a boat abeam of its
-// slot, or ahead, would wait there at the slot's own speed.
+// Not in paper, where a boat abeam of a slot at rest stays there: u* = −k_x e_x is zero. Bow or
+// stern points to the slot; the boat changes between them where that makes the turn smaller by 0.8
+// rad. An approach begins outside 1.5 Δ and ends within 0.15 Δ, where the boat turns to its slot's
+// heading. A boat cannot hold its place with a current abeam: near a slot at rest it points its bow
+// into the current or push. A push from straight astern shows in X alone, because c is learnt from
+// the sway; so does a propeller that stands still at a small command, hence X_n. The boat follows a
+// slot that is too fast, and closes up as far as u_max allows. A line of sight turns the bow by 1
+// rad at the most: a boat abeam of its slot, or ahead, would wait there at the slot's own speed.
 //
 // Q16.16: tested within ±2,000 (closing speed, m/s)
 #pragma once
@@ -110,8 +110,8 @@ void push_forward(const ApproachParams<S>& params, const Vessel<S>& m, ApproachS
                   state.push_n.y + state.east_rest.take(share, push.y - state.push_n.y)};
 }
 
-/// c + p; c alone where p is small, or goes with it, so that a gust does not blunt the cross-track
-/// term.
+/// c + p; c alone where p is small, or where both point the same way, so that a gust does not
+/// weaken the cross-track term.
 template <class S>
 Vec2<S> pushed(const ApproachParams<S>& params, const Vec2<S>& c, const Vec2<S>& p) {
   const S least = S(0.8) * params.epsilon;
@@ -143,15 +143,16 @@ bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   return S(0.15) * near < way.closing || S(0.2) * params.epsilon < way.drift;
 }
 
-/// Whether the way to a slot that makes way, from far, turns further off its course than a line of
-/// sight can; on: as above.
+/// Whether the boat is far from a slot that makes way, and the way there turns further off the
+/// slot's course than a line of sight can; on: as above.
 template <class S>
 bool lies_abeam(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   const S far = (on ? S(3) : S(6)) * params.k_x * params.Delta;
   return S(0) < far && far < way.closing && way.q.x < (on ? S(0.97) : S(0.64)) * abs(way.q.y);
 }
 
-/// Whether the boat is so near a slot at rest that its bow points upstream; waits: it does already.
+/// Whether the boat is so near a slot at rest that its bow points upstream; waits: it already
+/// points upstream.
 template <class S>
 bool points_upstream(const ApproachParams<S>& params, const SlotWay<S>& way, bool waits) {
   const bool at_rest = hypot(way.slot.x, way.slot.y) < params.epsilon;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Fails where a file of core has a floating literal outside S(...): a scalar need be no float."""
+"""Fails if a file of core has a floating literal outside S(...): a scalar need not be a float."""
 
 import re
 import sys

@@ -69,7 +69,8 @@ struct Course {
 
 template <class S>
 ApproachParams<S> approach_params(const ControllerParams<S>& params) {
-  // Controllers do not turn their propellers below some 5 % of the command; of two, in newtons:
+  // Motor controllers do not turn their propellers below about 5 % of the command. The force of two
+  // propellers at that command, N:
   const S neutral = S(0.1);  // of one propeller's reverse maximum
   return {params.outer.k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max,
           neutral * params.propellers.R};
@@ -100,7 +101,8 @@ Course<S> course(const ControllerParams<S>& params, ApproachState<S>& state,
   }
   state.on = state.astern = state.waits = false;
   Slot<S> sailed = slot;
-  // A boat that still turns to its slot's course goes with the slot as well as it can meanwhile.
+  // While a boat still turns to its slot's course, it moves with the slot as far as its heading
+  // allows.
   if (params.slot.moves) {
     sailed.nu.u = to_body(error.R_e, Vec2<S>{slot.nu.u, slot.nu.v}).x;
     sailed.nu_dot.u = error.R_e.c * slot.nu_dot.u;

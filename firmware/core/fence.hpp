@@ -16,7 +16,7 @@
 //  ê, L    direction and length of an edge
 //
 // The clearance of several zones is the least of theirs. It changes by no more than the way between
-// two places, so that a boat well inside need not ask again at once.
+// two places, so a boat well inside need not compute it again at once.
 //
 // Not in paper.
 //

@@ -5,10 +5,10 @@
 //   u(t) = u_k + (u_(k+1) − u_k)(t − k T)/T, r(t) likewise      T = 0.5 s, constant after the last
 //   ψ(t) = ψ_r + ∫ r        p(t) = p_r + ∫ R(ψ) [u v_r]ᵀ        from the reference's own time t_r on
 //   u(t_r) = u_r, r(t_r) = r_r: the step between reference and future is spread to the next k T
-//   |u_r − u(t_r)| > 0.1 m/s or |r_r − r(t_r)| > 0.06 rad/s: the root sails otherwise than told
+//   |u_r − u(t_r)| > 0.1 m/s or |r_r − r(t_r)| > 0.06 rad/s: the root deviates from the future
 //
 //  symbol   meaning                                        unit         tested range
-//  u_k r_k  told, counted from the future's own time       m/s, rad/s   ±20, ±4
+//  u_k r_k  sent, counted from the future's own time       m/s, rad/s   ±20, ±4
 //  t_r      the reference's time, from the future's        s            −12 … 12
 //
 // Not in paper, whose agents know only the present motion of their leaders.

@@ -49,7 +49,7 @@ Vec2<S> to_body(S psi, const Vec2<S>& n) {
   return to_body(rotation(psi), n);
 }
 
-/// Whether |v| < most, > most; without a root where the components alone tell it.
+/// Whether |v| < most, > most; computes no root where the components alone decide.
 template <class S>
 bool is_shorter(const Vec2<S>& v, S most) {
   return abs(v.x) < most && abs(v.y) < most && hypot(v.x, v.y) < most;

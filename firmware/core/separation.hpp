@@ -38,10 +38,10 @@
 // A choice that is clear of vessels of constant velocity stays clear for the rest of its horizon,
 // which moves on with time: later there may be no clear choice, for example among vessels that
 // close in from all sides. Of two boats one has right of way and the other makes room, so neither
-// waits for ever. A boat without progress turns its aim to starboard until it finds a way round,
+// waits endlessly. A boat without progress turns its aim to starboard until it finds a way round,
 // and accepts less clearance (T_n). After 2 s without progress while going astern behind a slot
-// that makes way, it turns about, |δ| ≤ π, u_w = 0, to a course that is clear and open; if there
-// is none, it continues as before.
+// that makes way, it turns about, |δ| ≤ π, u_w = 0, to a course that is clear and open; if there is
+// none, it continues as before.
 //
 // A course is closed if the boat cannot stop on it within its fence (app/plan/fence_watch.hpp).
 //
@@ -89,7 +89,7 @@ struct Traffic {
   std::uint16_t closed = 0;  ///< bit mask of closed courses; bit 0: north
 };
 
-/// No formula gives these weights, and no search found them: each is chosen by judgement, and
+/// These weights come neither from a formula nor from a search. Each is chosen by judgement;
 /// tests.loop.encounters sails with all of them.
 template <class S>
 struct SeparationParams {
@@ -428,7 +428,8 @@ void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
   if (S(60) < state.stuck_s) state.stuck_s = S(0);
 }
 
-/// Limits u so that u* n stays within its bound for every vessel. Half of the gap is left to it.
+/// Limits u so that u* n stays within its bound for every vessel. Leaves half of the gap to that
+/// vessel.
 template <class S>
 S held_back(const SeparationParams<S>& params, const SeparationInput<S>& in, S u) {
   for (std::size_t i = 0; i < in.traffic.count; ++i) {

@@ -17,10 +17,11 @@
 //  r_max   limit of the desired yaw rate; 0: none             rad/s    0 … 4
 //  h       control step                                       s        0 … 1
 //
-// Not in paper. A boat that still closes up may be far away, so its progress counts, not its
+// Not in paper. A boat that still closes up may be far away, so its progress is judged, not its
 // distance. At a limit of speed, yaw rate or thrust it must make progress in half the time, which
-// is at least two whole turns. While it yields to another vessel, t stands still; after that it
-// closes up from where it is: to win back what yielding cost lessens t, but does not reset it.
+// is at least two whole turns. While it yields to another vessel, t stands still. After that it
+// closes up from its present place: regaining the distance lost by yielding reduces t, but does not
+// reset it.
 //
 // Q16.16: tested within ±1,000 (distance, m)
 #pragma once
@@ -90,7 +91,8 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
   }
 }
 
-/// The slot is now elsewhere: the boat closes up again. Its idle and its spinning time go on.
+/// The slot is now elsewhere: the boat closes up again. Its idle time and its spinning time
+/// continue.
 template <class S>
 void station_moved(StationState<S>& state) {
   state.in = state.kept = state.started = false;

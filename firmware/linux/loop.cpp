@@ -210,8 +210,8 @@ void Loop::wait() {
     statistics_.lateness.add(woken_us - deadline_us_);
     deadline_us_ += period_us_;
   }
-  // Nothing was read during missed ticks: the boat must judge the age of its data before it takes
-  // the backlog for new.
+  // Nothing was read during missed ticks. The boat must judge the age of its data before it reads
+  // the backlog, which would look new.
   if (expirations > 1) tick();
   const std::int64_t now_us = now();
   read_bus(now_us);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Times a user's wait for a command, and the part of it that is sailing."""
+"""Measures how long a user waits for a command, and how much of that time is sailing."""
 
 import json
 import resource

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The figures of a run by which two campaigns are compared."""
+"""The figures of runs that are compared between two campaigns."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -97,7 +97,7 @@ class Folder:
     ) -> list[ShareResult]:
         """Begin the campaign, or continue it; return the results that already exist.
 
-        Unreadable results are removed, and `say` is told.
+        Unreadable results are removed and reported to `say`.
         """
         self.check(identity)
         self.path.mkdir(parents=True, exist_ok=True)

@@ -28,8 +28,8 @@ _PAGE = Template((Path(__file__).parent / "report.html").read_text(encoding="utf
 def write(out: Path, worst_sailed: Callable[[], object] = lambda: None) -> None:
     """Write `out`/report.html, which needs no other file, from the campaign's files in `out`.
 
-    `worst_sailed` returns once the worst run is in `out`, or will not come. ValueError, in one
-    line, if a file is missing or does not belong to a campaign.
+    `worst_sailed` returns once the worst run is in `out`, or could not be sailed. ValueError, in
+    one line, if a file is missing or does not belong to a campaign.
     """
     campaign = finished.tables(out)
     sampled, trace = samples.read(campaign), nominal.read(out)

@@ -23,7 +23,7 @@ def place(folder: Path, run: int) -> Path:
 def check(folder: Path, identity: Identity, run: int) -> None:
     """CampaignError if the campaign in `folder` is not `identity`, or lacks the run.
 
-    The code may differ: `is_same` tells whether the boats moved in the same way.
+    The code may differ: `is_same` returns whether the boats moved in the same way.
     """
     path = folder / "campaign.json"
     if not path.is_file():

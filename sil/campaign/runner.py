@@ -39,9 +39,9 @@ def on_cluster(
     """Sail batches on the Dask cluster whose scheduler is at `address`; return its thread count.
 
     `batches_for` makes the requested number of batches, so that none waits long for the last one.
-    If there is no worker, `say` is told that the first is awaited. Other workers replace one that
-    dies, as often as the scheduler's `allowed-failures` permits. OSError if there is no scheduler,
-    or its connection is lost.
+    If there is no worker, reports to `say` that it waits for the first. Other workers replace one
+    that dies, as often as the scheduler's `allowed-failures` permits. OSError if there is no
+    scheduler, or its connection is lost.
     """
     import distributed  # noqa: PLC0415 takes half a second, which a local campaign saves
 

@@ -69,7 +69,7 @@ def sail_batch(batch: Share) -> ShareResult:
 
 
 def failed(batch: Share, reason: str) -> ShareResult:
-    """The result of a batch of which no run could be sailed."""
+    """The result of a batch in which no run could be sailed."""
     seeds = [batch.sampler.seed_of(run) for run in batch.runs]
     runs = zip(batch.runs, seeds, strict=True)
     return ShareResult(tuple(RunResult(run, seed, "failed", reason) for run, seed in runs), 0.0)

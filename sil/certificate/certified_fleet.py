@@ -66,7 +66,7 @@ def _turns(own: Mapping[str, float]) -> bool:
 
 
 def _same_loop(a: Boat, b: Boat) -> bool:
-    # a slot that does not turn is a mere shift, which no loop notices
+    # a slot that does not turn is a mere shift, which affects no loop
     places = () if _turns(a.parameters) else ("FORM_OFS_N", "FORM_OFS_E")
     passed = {*_NOT_OF_THE_LOOP, *places}
     own, other = (

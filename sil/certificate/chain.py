@@ -19,7 +19,7 @@ the small motions for which gains are valid. If the law has no such limit, the f
 counts; a root that itself moves more in its manoeuvre raises the limits of yaw rate and speed. The
 hop is the one from boat 2 to boat 3, which both follow boats: G = T_3 / T_2, for the motion that a
 boat makes by its own thrust as it follows. With the reference, boat 2 is instead pushed off its way
-for the hop: boat 3 then follows only by trust and slow correction.
+for the hop: boat 3 then follows it only by the slow shift of its slot (`core/reference.hpp`).
 
 Every line of boats from the root is examined, except those that consist of the same kinds of boats
 as another, or as its beginning.

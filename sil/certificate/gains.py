@@ -5,7 +5,7 @@ The search is coarse: a grid, then steps that are halved around its best point. 
 is the slowest decay of all boats behind all references that move, by `sampled.quick_decay`. There
 the estimates of current and unknown forces are off, because these gains hardly affect their modes;
 with the estimates on, the point must not be unstable. Only small deviations in calm water count;
-the simulation shows saturation and distant starts. The result also tells how much more noise these
+the simulation shows saturation and distant starts. The result also states how much more noise these
 gains pass to the propellers.
 """
 

@@ -37,7 +37,7 @@ NEAR_ONE = 1e-5  # as near as finite differences can tell
 
 @dataclass(frozen=True)
 class Instants:
-    """The instants of a window: `ticks` (K), each of which stands for `cycles` (K) cycles of fixes.
+    """The instants of a window: `ticks` (K); each stands for `cycles` (K) cycles of fixes.
 
     `begin`: the first tick of the window; `windows` windows take `length` ticks almost exactly.
     """

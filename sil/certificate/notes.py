@@ -8,7 +8,7 @@ from sil.certificate.certificate import Certificate
 from sil.certificate.rehanging import rehangings
 
 SMALL_M = 0.2
-LATE_S = 0.1  # delay of the navigation unit that is mentioned, s
+LATE_S = 0.1  # delay of the navigation unit in the note, s
 _NOT_LINEARISED = ("THR_SLEW", "THR_DEAD")
 
 

@@ -11,9 +11,9 @@ motion to be amplified: one behind the leader's own manoeuvre, also without nois
 of the scenario's noise and weather behind a leader that goes straight.
 
 Where boats hear their neighbours only, and the radio loses messages, some more runs have everything
-at once: the manoeuvre, noise, weather, and in each other losses. A reference that comes over many
-hops is sometimes too old to be passed on. That is rare, makes boats jump, and adds to neither gains
-nor noise.
+at once: the manoeuvre, noise, weather, and different losses in each run. A reference that comes
+over many hops is sometimes too old to be passed on. That is rare, makes boats jump, and adds to
+neither gains nor noise.
 """
 
 from collections.abc import Mapping, Sequence

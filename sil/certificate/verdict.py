@@ -11,7 +11,7 @@ from sil.certificate.chain import Chain, too_deep
 from sil.certificate.sampled import Misled
 from sil.lockstep.metrics import SETTLED_M
 
-_LEAST = 0.001  # m, N: smaller effects are told as this
+_LEAST = 0.001  # m, N: smaller effects are reported as this value
 _IN_SLOT_M = 0.2  # least limit of the permanent distance; a boat's own is FS_SLOT_M / 5, if more
 
 

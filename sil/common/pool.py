@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tasks in local processes; a task that kills its process is reported and costs no other task."""
+"""Tasks in local processes; a task that kills its process is reported and affects no other."""
 
 import multiprocessing
 import os

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Finds what keeps a boat's computer from sailing, and tells the remedy."""
+"""Finds faults of a boat's computer that keep the boat from sailing, and names the remedy."""

@@ -20,7 +20,7 @@ from sil.doctor.checkup import as_json
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Finding
 
-_MOST_BYTES = 64 << 20  # limit of the logs, of which the newest come first
+_MOST_BYTES = 64 << 20  # limit of the logs, newest first
 _FILES = ("/etc/os-release", "/etc/systemd/network/60-flotilla-can0.network", "/proc/cpuinfo")
 _COMMANDS = {
     "journal": "journalctl --unit flotillad --lines 5000 --no-pager",

@@ -118,7 +118,7 @@ class Post:
             else:
                 data, peer = self._socket.recvfrom(_MOST_BYTES)
                 self._peers.add(peer)
-        except OSError:  # nobody is there yet
+        except OSError:  # no process listens there yet
             return
         self.heard.hear(data, time.monotonic_ns())
 
@@ -147,7 +147,7 @@ class Post:
 
 
 def listen(posts: Sequence[Post], seconds: float, key: bytes | None = None) -> None:
-    """Listen to all links for `seconds`, and send time requests again and again."""
+    """Listen to all links for `seconds`, and send time requests repeatedly."""
     end_s = time.monotonic() + seconds
     ask_s = 0.0
     while (now_s := time.monotonic()) < end_s:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Judges the senders on the boat's MAVLink links: who, how often, how late, signed or not."""
+"""Judges the senders on the boat's MAVLink links: their ids, rates, latencies and signatures."""
 
 from collections.abc import Iterator, Sequence
 

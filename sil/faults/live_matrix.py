@@ -45,9 +45,9 @@ class Row(Section):
     """A fault that lasts `for_s`, and its limits.
 
     The fault must be detected within `detected_s`: the boat leaves FORMATION or its propellers
-    stop; if `state` is FORMATION, the operator is told. `state`: the boat's state after the fault,
-    before anybody helps. There must be no thrust later than `off_s` after the detection. The boat
-    must recover within `recovered_s` of the fault's end.
+    stop; if `state` is FORMATION, the operator gets a text. `state`: the boat's state after the
+    fault, before anybody helps. There must be no thrust later than `off_s` after the detection. The
+    boat must recover within `recovered_s` of the fault's end.
     """
 
     name: str

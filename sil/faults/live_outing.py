@@ -24,7 +24,7 @@ _PATIENCE_S = 20.0
 _LONGEST_S = 300.0
 _FRAME = struct.Struct("=IB3x8s")
 _SUBJECT_MASK = 0xFFFF80
-#: A busy machine is late now and then; a second of silence is still a second.
+#: Longer timeouts than the firmware's defaults, because a busy machine is sometimes late.
 _PARAMETERS = {"FS_NAV_S": 0.7, "FS_LEADER_S": 3.0, "FS_ESC_S": 3.0}
 
 

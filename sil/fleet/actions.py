@@ -60,7 +60,7 @@ def perform(station: Station, wish: Wish, console: Console) -> int:
 
 
 def show(console: Console, words: str, style: str = "") -> None:
-    """Print a line as it is: a boat's text may contain what rich takes for its markup."""
+    """Print a line as it is: a boat's text may look like rich's markup."""
     console.print(words, style=style, markup=False, emoji=False, soft_wrap=True)
 
 

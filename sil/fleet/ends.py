@@ -107,7 +107,7 @@ class UdpIn(End):
         return heard
 
     def send(self, frame: bytes, peer: Peer) -> None:
-        """Send a datagram; it is lost if nobody listens any more."""
+        """Send a datagram; it is lost if the receiver no longer listens."""
         for each in self._peers if peer is None else (peer,):
             with suppress(OSError):
                 self._socket.sendto(frame, each or ("", 0))
@@ -143,7 +143,7 @@ class UdpOut(End):
         return heard
 
     def send(self, frame: bytes, peer: Peer) -> None:  # noqa: ARG002
-        """Send a datagram; it is lost if nobody listens."""
+        """Send a datagram; it is lost if no program listens."""
         with suppress(OSError):
             self._socket.send(frame)
 
@@ -155,7 +155,7 @@ class UdpOut(End):
 class Stream(End):
     """A TCP connection or a serial line, by its descriptor, which it owns.
 
-    `again` opens the line, or begins a connection, once more.
+    `again` reopens the line, or begins a new connection.
     """
 
     def __init__(self, address: str, descriptor: int, again: Callable[[], int]) -> None:

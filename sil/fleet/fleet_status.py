@@ -14,7 +14,7 @@ _FOLLOWING = ("FORMATION", "COAST")
 
 
 class Row(NamedTuple):
-    """One boat; what is unknown, or older than 5 s, is None.
+    """One boat; a value that is unknown, or older than 5 s, is None.
 
     `age_s`: time since its last message, None: never heard. `follows`: its leader. `off_m`:
     distance from its slot. `epoch`: that of its newest table. `why`: the reason why it does not

@@ -156,7 +156,7 @@ class FleetVehicle:
         )
 
     def _attend(self) -> None:
-        """Receive from the ground station and report the fleet to it, whatever else happens."""
+        """Receive from the ground station and report the fleet to it, in every state."""
         for _, data in self._end.receive():
             for *_, frame in frames(data):
                 if self._signer is None or self._signer.verifies(frame):

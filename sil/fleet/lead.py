@@ -30,7 +30,7 @@ def followed_by(station: Station, system: int) -> int | None:
 
 
 def root(station: Station) -> int | None:
-    """The vessel at the top: the boat that leads, or the vessel that most boats follow in the end.
+    """The vessel at the top: the boat that leads, or the vessel that most chains of leaders end at.
 
     None if it is unknown, or if two boats lead. A boat that no longer leads may still follow
     another, which follows it; therefore the majority decides.
@@ -59,7 +59,7 @@ def leading_boat(station: Station) -> int:
 
 
 def _top(above: Mapping[int, int | None], system: int) -> int | None:
-    """The end of the chain of leaders, or where it meets itself; None: it follows nobody."""
+    """The end of the chain of leaders, or where it closes to a cycle; None: it follows nobody."""
     seen = {system}
     top = above[system]
     while top is not None and top not in seen and above.get(top) is not None:

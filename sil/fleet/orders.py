@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Sends orders to boats, repeats each until its boat has answered, and explains the answers.
 
-An answer (COMMAND_ACK) does not tell ARM from DISARM, nor a mode from another: it may be a late one
-to an earlier order. Orders that stop boats are therefore repeated until a HEARTBEAT shows it.
+An answer (COMMAND_ACK) names neither ARM or DISARM nor the mode: it may be a late answer to an
+earlier order. Orders that stop boats are therefore repeated until a HEARTBEAT shows it.
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
@@ -88,7 +88,7 @@ def go_to(latitude: int, longitude: int) -> Order:
 
 
 class _Sent(NamedTuple):
-    """A command, when it was first sent, and the states of which one must follow; none: any."""
+    """A command, its first sending time, and the states, one of which must follow; none: any."""
 
     command: int
     since_s: float
@@ -207,7 +207,7 @@ def leader_last(station: Station, systems: Iterable[int]) -> list[int]:
 def tell(answer: Answer, held: Iterable[str], signs: bool) -> str:
     """Explain why a boat did not execute its order.
 
-    `held`: what keeps it from sailing; `signs`: it signs, and the station has no key.
+    `held`: the reasons that keep it from sailing; `signs`: it signs, and the station has no key.
     """
     if answer.only_listed:
         return "not heard, known only from the fleet table"

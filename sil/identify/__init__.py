@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Parts of an identification of hulls from logs: what to find, and a boat in open loop."""
+"""Identifies hulls from logs: the unknown terms, and a boat in open loop."""

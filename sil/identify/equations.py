@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What output error solves in each step: the windows' equations, without what is a window's own.
+"""The equations of one step of the output-error search, with each window's own unknowns eliminated.
 
-The difference of what was measured from what is simulated, each channel over its σ, is linear in
-small changes: of the terms and the logs' places (what is searched), and of each window's own start
-and gust. The latter are eliminated window by window (variable projection: Golub and Pereyra 1973).
+The difference between measured and simulated values, each channel over its σ, is linear in small
+changes of the searched quantities, which are the terms and the logs' places, and of each window's
+own start and gust. The latter are eliminated window by window (variable projection: Golub and
+Pereyra 1973).
 Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4 and 9.
 """
 
@@ -31,9 +32,9 @@ _ONLY_MEASURED = frozenset(INDEX[name] for name in MEASURED)
 
 @dataclass(frozen=True)
 class Problem:
-    """Windows, hull, terms (with guesses for this hull) and which of them are searched.
+    """Windows, hull, terms (with guesses for this hull) and a mask of the searched terms.
 
-    gusts: how much more the wind changes than `GUSTS` have it.
+    gusts: factor of the wind's changes relative to `GUSTS`.
     """
 
     windows: Windows
@@ -50,13 +51,13 @@ class Problem:
 
     @property
     def logs(self) -> int:
-        """How many logs the windows come from."""
+        """Number of logs that the windows come from."""
         return int(self.windows.log.max()) + 1
 
 
 @dataclass(frozen=True)
 class Point:
-    """Where a search is: terms, places and gusts in deviations from their guesses."""
+    """The present point of a search: terms, places and gusts, in deviations from their guesses."""
 
     z: Array  # (free terms)
     local: Array  # (logs, 4)
@@ -66,9 +67,9 @@ class Point:
 
 @dataclass(frozen=True)
 class Equations:
-    """Of W windows without what is their own: A δ = e as AᵀA (W, n, n) and Aᵀe (W, n).
+    """Equations A δ = e of W windows without their own unknowns: AᵀA (W, n, n) and Aᵀe (W, n).
 
-    back: change of the windows' own (12, W) that goes with changes (W, n) of the rest.
+    back: change of the windows' own unknowns (12, W) for changes (W, n) of the others.
     """
 
     squares: Array
@@ -76,7 +77,7 @@ class Equations:
     back: Callable[[Array], Array]
 
     def counted(self, counts: Array) -> "Equations":
-        """Each window counted so often."""
+        """The equations with each window weighted by its count."""
         return replace(
             self,
             squares=self.squares * counts[:, None, None],
@@ -87,7 +88,7 @@ class Equations:
 def residuals(problem: Problem, values: Array, places: Array, start: Array) -> Array:
     """Measured minus simulated (samples, 6, W), NaN where nothing was measured.
 
-    places (8, W): as `simulate` has them.
+    places (8, W): as in `simulate`.
     """
     windows = problem.windows
     out = simulate(
@@ -97,7 +98,7 @@ def residuals(problem: Problem, values: Array, places: Array, start: Array) -> A
 
 
 def places_of(problem: Problem, point: Point) -> Array:
-    """Current, wind and moment in each window, and how the last rise (8, W)."""
+    """Current, wind and moment in each window, and the rise of wind and moment (8, W)."""
     local = local_of(point)[problem.windows.log].T
     gust = point.gust * problem.gust_spread[:, None]
     return np.vstack([local[:2], local[2:] + gust[:2], gust[2:]])
@@ -118,7 +119,7 @@ def scale_of(problem: Problem) -> tuple[Array, Array]:
 
 
 def values_of(problem: Problem, z: Array, values: Array) -> Array:
-    """All terms (K): of the searched ones z in deviations, `values` of the others."""
+    """All terms (K): the searched ones from z, in deviations; the others from `values`."""
     guess, spread = scale_of(problem)
     out = values.copy()
     out[problem.free] = guess[problem.free] + z * spread[problem.free]
@@ -126,7 +127,10 @@ def values_of(problem: Problem, z: Array, values: Array) -> Array:
 
 
 def equations_of(problem: Problem, point: Point, values: Array, sigma: Array) -> Equations:
-    """Derivatives by differences, all columns in one simulation; a window's own go by QR."""
+    """The equations at a point; derivatives by finite differences, all in one simulation.
+
+    A QR decomposition eliminates each window's own unknowns.
+    """
     windows, free = problem.windows, int(problem.free.sum())
     shared = free + _PLACES
     out, steps = _perturbed(problem, point, values)
@@ -136,7 +140,7 @@ def equations_of(problem: Problem, point: Point, values: Array, sigma: Array) ->
     count = len(windows)
     e = np.moveaxis(error, 2, 0).reshape(count, -1)
     j = np.moveaxis(slopes, 2, 0).reshape(count, e.shape[1], -1)
-    # The rows of what is believed of a window's gust.
+    # The rows of the prior of a window's gust.
     e = np.hstack([e, -point.gust.T])
     believed = np.zeros((count, _GUSTS, j.shape[2]))
     believed[:, :, shared + _STATES :] = np.eye(_GUSTS)
@@ -156,10 +160,10 @@ def equations_of(problem: Problem, point: Point, values: Array, sigma: Array) ->
 
 
 def _perturbed(problem: Problem, point: Point, values: Array) -> tuple[Array, Array]:
-    """Simulated (samples, 6, W, 1 + n): as it is, then each number changed by its step (n).
+    """Simulated (samples, 6, W, 1 + n): unchanged, then with each number changed by its step (n).
 
-    Columns: terms, current and wind, state at the begin, gusts. A number that changes what is
-    measured, not the motion through the water, needs no simulation of its own.
+    Columns: terms, current and wind, initial state, gusts. A number that changes the measurements
+    but not the motion through the water needs no simulation of its own.
     """
     searched = np.flatnonzero(problem.free)
     current = 1 + len(searched)
@@ -196,7 +200,7 @@ def _perturbed(problem: Problem, point: Point, values: Array) -> tuple[Array, Ar
 
 
 def summed(problem: Problem, equations: Equations, counts: Array) -> tuple[Array, Array]:
-    """All windows' equations as one: terms first, then each log's places; each counted so often."""
+    """The sum of all windows' equations, weighted by `counts`: terms, then each log's places."""
     free = int(problem.free.sum())
     size = free + _PLACES * problem.logs
     h, g = np.zeros((size, size)), np.zeros(size)
@@ -209,7 +213,7 @@ def summed(problem: Problem, equations: Equations, counts: Array) -> tuple[Array
 
 
 def moved_by(problem: Problem, point: Point, equations: Equations, damping: float) -> Point:
-    """Where the equations' step leads."""
+    """The point after the equations' step."""
     h, g = summed(problem, equations, np.ones(len(problem.windows)))
     delta = step(problem, h, g, np.concatenate([point.z, point.local.ravel()]), damping)
     free = int(problem.free.sum())
@@ -227,7 +231,7 @@ def moved_by(problem: Problem, point: Point, equations: Equations, damping: floa
 
 
 def step(problem: Problem, h: Array, g: Array, at: Array, damping: float) -> Array:
-    """The bounded step from `at` (deviations) that the equations and what is believed ask for."""
+    """The bounded step from `at` (deviations) that solves the equations together with the prior."""
     h = h + np.eye(len(h))
     g = g - at
     h[np.diag_indices_from(h)] *= 1.0 + damping

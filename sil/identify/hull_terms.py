@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The numbers that a log is searched for, with what is believed of each before it is read.
+"""The numbers that are estimated from a log, with the prior of each.
 
 Forces and inertias are divided by m11: a log of motion and commands determines ratios only. Speeds
 m/s and rad/s, lengths m, times s, angles rad, commands −1 … 1.
@@ -12,7 +12,7 @@ _LENGTH_M = 1.2  # of the hull that the guesses below are for
 
 @dataclass(frozen=True)
 class Term:
-    """One number: first guess, its standard deviation, least and greatest value.
+    """One number: first guess, standard deviation of the guess, least and greatest value.
 
     Guess, deviation and bounds are for a hull 1.2 m long and grow with its length to the power
     `metres`.
@@ -27,7 +27,7 @@ class Term:
     meaning: str
 
     def of_length(self, length_m: float) -> "Term":
-        """The same term of a hull of another length."""
+        """The same term for a hull of another length."""
         scale = (length_m / _LENGTH_M) ** self.metres
         return replace(
             self,
@@ -74,14 +74,14 @@ TERMS = (
     Term("wind_y", 0.008, 0.004, 0.0, 0.2, -1, "wind force abeam"),
     Term("wind_n", 0.0, 0.002, 0.0, 0.1, 0, "wind moment in yaw, greatest at 45° to the bow"),
 )
-# Of each log.
+# One of each for every log.
 LOCAL = (
     Term("current_north", 0.0, 0.05, -2.0, 2.0, 0, "current"),
     Term("current_east", 0.0, 0.05, -2.0, 2.0, 0, "current"),
     Term("wind_north", 0.0, 2.0, -20.0, 20.0, 0, "wind"),
     Term("wind_east", 0.0, 2.0, -20.0, 20.0, 0, "wind"),
 )
-# Of each window, beside its log's: gusts and waves.
+# One of each for every window, in addition to its log's: gusts and waves.
 GUSTS = (
     Term("gust_north", 0.0, 0.4, -20.0, 20.0, 0, "wind beyond the log's"),
     Term("gust_east", 0.0, 0.4, -20.0, 20.0, 0, "wind beyond the log's"),
@@ -92,5 +92,5 @@ GUSTS = (
 )
 NAMES = tuple(term.name for term in TERMS)
 INDEX = {name: k for k, name in enumerate(NAMES)}
-# Terms that change what the log has of a motion, not the motion.
+# Terms that change the measurements of a motion, but not the motion.
 MEASURED = NAMES[INDEX["antenna_x"] : INDEX["compass_cos"] + 1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""From logs to a hull: wiring, output error, intervals, and how it predicts what it never saw."""
+"""From logs to a hull: wiring, output error, intervals, and prediction of logs not used."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,8 +26,8 @@ from sil.identify.windows import WINDOW_S, cut
 
 _LEAST_WINDOWS = 6
 _HALVES = 0.7  # share of the work in fits to one half
-# In the sum of six R²: less does not tell which hull is nearer the truth. Searched by and by, the
-# log counts for more and first guesses for less.
+# Difference of the sums of six R²: a smaller one does not tell which hull is nearer the truth. With
+# BY_AND_BY the log counts for more, and the first guesses for less.
 _CLEARLY = 0.1
 
 
@@ -37,9 +37,9 @@ Scores = tuple[Score | None, Score | None]
 
 @dataclass(frozen=True)
 class Identification:
-    """A hull, how sure it is, and what was odd in its logs.
+    """A hull, its uncertainty, and the oddities of its logs.
 
-    held_out: fitted to one half of the logs, scored on the other, both ways round.
+    held_out: scores of fits to one half of the logs on the other half, both ways round.
     """
 
     logs: tuple[VoyageLog, ...]
@@ -85,12 +85,12 @@ def held_out(halves: Halves, body: Body, schedule: Schedule, told: Told, one_log
 
 
 def _worth(scores: Scores) -> float:
-    """Sum of R² of u, v and r, each at least -1: one bad channel does not outweigh the others."""
+    """Sum of R² of u, v and r, each at least -1, so that one bad channel does not decide alone."""
     return sum(max(r2, -1.0) for one in scores if one for r2 in (one.u, one.v, one.r))
 
 
 def problem_of(logs: Sequence[VoyageLog], body: Body) -> Problem:
-    """All terms, of windows that do not overlap. Raises `BadLogError` where they are too few."""
+    """All terms, with windows that do not overlap. Raises `BadLogError` if there are too few."""
     windows = cut(logs)
     if len(windows) < _LEAST_WINDOWS:
         raise BadLogError(
@@ -107,7 +107,7 @@ def searched(problem: Problem, schedule: Schedule, told: Told) -> Fit:
 
 
 def split(logs: Sequence[VoyageLog]) -> Halves:
-    """Two halves: of several logs the first and the last ones, of one its minutes in turn."""
+    """Two halves: the first and the last of several logs, or alternate minutes of a single log."""
     if len(logs) > 1:
         middle = len(logs) // 2
         return tuple(logs[:middle]), tuple(logs[middle:])

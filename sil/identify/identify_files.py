@@ -27,7 +27,7 @@ _PAGE = Template((Path(__file__).parent / "identify.html").read_text(encoding="u
 def write_hull(found: Identification, boat: Boat, folder: Path) -> list[Path]:
     """Write the hull's files into the folder, which is made; returns them.
 
-    None of swapped propellers: no parameter mends them.
+    There are none if the propellers are swapped, which no parameter corrects.
     """
     contents: dict[str, str] = {}
     if not found.wiring.swapped:

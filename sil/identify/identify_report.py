@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""An identification for people: the verdict, oddities of the logs, figures, what to sail next."""
+"""The report of an identification: verdict, oddities of the logs, figures, manoeuvres to add."""
 
 from collections.abc import Iterable
 
@@ -22,9 +22,9 @@ from sil.identify.vessel_numbers import (
 
 #: Whether the gains that the firmware derives fit the hull, and the certificate's verdict.
 Fit = tuple[bool, str]
-# Open loop over 10 s: below these the hull does not explain its logs.
+# Least R² in open loop over 10 s: below these the hull does not explain its logs.
 LEAST_U, LEAST_R = 0.95, 0.8
-# What tells a term that the logs do not determine.
+# The manoeuvres that would determine a term.
 _MANOEUVRES = {
     "straights out and back on eight headings": (
         "compass",
@@ -54,7 +54,7 @@ _MANOEUVRES = {
 
 
 def holds(found: Identification) -> bool:
-    """The hull predicts the halves that it was not fitted to, and can be used as it is wired."""
+    """Whether the hull predicts the halves that it was not fitted to, and its wiring is usable."""
     scored = [s for s in found.held_out if s is not None]
     good = all(s.u >= LEAST_U and s.r >= LEAST_R for s in scored)
     return bool(scored) and good and not found.wiring.swapped
@@ -106,7 +106,7 @@ def remarks(found: Identification) -> list[str]:
 
 
 def lacking(found: Identification) -> list[str]:
-    """Terms that the logs do not determine, and which manoeuvre would."""
+    """Terms that the logs do not determine, and the manoeuvre that would."""
     missing = {t.name for t, told in zip(TERMS, found.intervals.told, strict=True) if not told}
     if not missing:
         return ["Every number is determined by these logs."]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How sure each number is: bootstrap over windows, and how much the logs say of it at all."""
+"""Confidence intervals by bootstrap over windows, and whether the logs determine each number."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,8 @@ from sil.identify.output_error import Fit
 from sil.identify.voyage_log import Array
 
 DRAWS = 200
-# Standard deviation after over before the logs: above this they do not determine the number.
+# Ratio of a number's standard deviation with the logs to that without: above this, the logs do not
+# determine the number.
 _UNTOLD = 0.5
 _SURE = 0.95
 
@@ -30,10 +31,11 @@ class Intervals:
 
 
 def intervals(problem: Problem, fit: Fit, seed: int = 1) -> Intervals:
-    """Windows drawn with replacement, one Gauss-Newton step from the fit for each draw.
+    """Bootstrap: draws windows with replacement; each draw is one Gauss-Newton step from the fit.
 
-    A step's own spread, that of the terms' first guesses included, is added: of a number that the
-    windows do not touch all draws alone would agree. Source: Efron and Tibshirani 1993, chapter 9.
+    Each draw also gets the spread of a step itself, including that of the first guesses. Without
+    it, all draws would agree on a number that the windows do not affect. Source: Efron and
+    Tibshirani 1993, chapter 9.
     """
     rng = np.random.default_rng(seed)
     count = len(problem.windows)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Logs of any kind, by their names' ends."""
+"""Reads logs of any kind, chosen by the suffix of their names."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,11 +14,12 @@ from sil.logs.tlog_reader import facts
 
 
 def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
-    """Every log, and sentences about what was assumed.
+    """Every log, and sentences about the assumptions.
 
-    A folder stands for the telemetry logs in it, or in its subfolder `log`; where a boat has one
-    for each link, for those of the navigation unit's. Where pulses of a table leave 1100 … 1900 µs,
-    the farthest from the stop in all logs is full thrust. Raises `BadLogError`, `OSError`.
+    A folder stands for the telemetry logs in it or in its subfolder `log`; if a boat has one log
+    for each link, for those of the navigation unit's link. If pulses of a table are outside
+    1100 … 1900 µs, the pulse farthest from the stop in all logs is full thrust. Raises
+    `BadLogError`, `OSError`.
     """
     logs, notes = [], []
     for path in (file for given in paths for file in _files(given)):

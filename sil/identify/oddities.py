@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Oddities of logs that an identification survives, as sentences: read them before its figures."""
+"""Oddities of logs that do not stop an identification, as sentences to read before its figures."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ import numpy as np
 
 from sil.identify.voyage_log import SAMPLE_S, VoyageLog
 
-# Correlation of neighbours among second differences: −2/3 for white noise, positive when smoothed.
+# Correlation of neighbouring second differences: −2/3 for white noise, positive if smoothed.
 _SMOOTH = -0.3
 _SETTLED = 20  # samples
 _COARSE = 0.7
@@ -60,7 +60,7 @@ def roughness(log: VoyageLog, column: int) -> float:
 
 
 def yaw_rate_age(logs: Sequence[VoyageLog]) -> float:
-    """Seconds by which the yaw rate is later than the heading's slope, to a part of a sample."""
+    """Delay of the yaw rate after the heading's slope, s, resolved to a part of a sample."""
     errors = np.zeros(2 * _SHIFTS + 1)
     for log in logs:
         slope = np.gradient(log.motion[:, 2], SAMPLE_S)
@@ -81,7 +81,7 @@ def yaw_rate_age(logs: Sequence[VoyageLog]) -> float:
 
 
 def foresight(logs: Sequence[VoyageLog], column: int, sign: float) -> float:
-    """How surely the motion answers commands that are still to come, in standard errors.
+    """Significance, in standard errors, of a response to commands before they are given.
 
     Changes of u (sign 1: the sum of both propellers) or r (sign −1: port minus starboard) over a
     sample, regressed on changes of the commands from the future to 1.5 s ago.

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Output error: the terms with which open-loop simulation comes nearest to the logs.
+"""Output error: finds the terms with which an open-loop simulation comes nearest to the logs.
 
-Minimises Σ |(measured − simulated) / σ|² / κ + Σ z² over the terms z (in deviations from their
-guesses), current and wind of each log, and of each window its gust and the state in which it
-begins: a damped Gauss-Newton step within bounds, again and again (`equations`). κ samples of a
-residual count as one: κ = 1 + 2 Σ ρ_k, where neighbours at k samples correlate by ρ_k, or a whole
-window. σ of each channel is the residuals' own; both are found in rounds.
+Minimises Σ |(measured − simulated) / σ|² / κ + Σ z² by damped Gauss-Newton steps within bounds
+(`equations`). Unknown are the terms z (in deviations from their guesses), current and wind of each
+log, and gust and initial state of each window. κ samples of a residual count as one:
+κ = 1 + 2 Σ ρ_k, where ρ_k is the correlation of samples k apart; at most a whole window. σ of each
+channel is the standard deviation of its residuals. σ and κ are updated in each round.
 Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4, 5 and 9.
 """
 
@@ -39,11 +39,12 @@ _ALIKE = 100.0
 
 @dataclass(frozen=True)
 class Schedule:
-    """How a search goes.
+    """The settings of a search.
 
-    rounds: gate (of the dead band, wide at first to be found from afar), share of each window that
-    counts. alike: κ; None: as the residuals' neighbours correlate. gusts: as `Problem` has them.
-    odd: a window above so many times the median window's cost counts less.
+    rounds: for each, the gate of the dead band (wide at first, so that the search finds it from
+    afar), and the share of each window that is used. alike: κ; None: from the residuals'
+    correlation. gusts: as in `Problem`. odd: a window whose cost exceeds the median by this factor
+    counts less.
     """
 
     rounds: tuple[tuple[float, float], ...]
@@ -52,13 +53,13 @@ class Schedule:
     odd: float = np.inf
 
 
-# A boat of which a log tells little needs whole windows, and what is believed of its terms. An
-# unstable one is soon far from where first guesses take it: it needs their begin first, and some of
-# its windows say nothing.
+# If a log contains little information, the search needs whole windows and the terms' priors. An
+# unstable boat soon diverges from a simulation with the first guesses: its search begins with the
+# first part of each window, and some of its windows contain no information.
 AT_ONCE = Schedule(((0.5, 1.0), (0.2, 1.0), (0.05, 1.0)), alike=_ALIKE)
 BY_AND_BY = Schedule(((0.5, 0.25), (0.2, 0.5), (0.05, 1.0)), gusts=3.0, odd=5.0)
 
-# m, m, rad, m/s, m/s, rad/s: the first round's deviations, and the least that later ones take.
+# m, m, rad, m/s, m/s, rad/s: σ in the first round, and the least σ in later rounds.
 _FIRST_SIGMA = 10.0 * np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
 _LEAST_SIGMA = np.array([0.02, 0.02, 0.005, 0.01, 0.01, 0.005])
 _ITERATIONS = 12
@@ -79,7 +80,7 @@ class Fit:
 
 
 def fit(whole: Problem, values: Array, schedule: Schedule, told: Told) -> Fit:
-    """Search from `values` (K); told(share) hears of the progress."""
+    """Search from `values` (K); calls told(share) with the progress."""
     whole = replace(whole, gusts=schedule.gusts)
     guess, deviation = scale_of(whole)
     z = ((values - guess) / deviation)[whole.free]
@@ -111,7 +112,7 @@ def part_of(told: Told, begin: float, end: float) -> Told:
 def _descend(
     problem: Problem, point: Point, values: Array, sigma: Array, odd: float, told: Told
 ) -> tuple[Point, Array]:
-    """Down to the lowest point within reach; there, the cost of each window."""
+    """The lowest point that the steps reach, and the cost of each window there."""
     damping = 1e-2
     costs = _costs(problem, point, values, sigma)
     for turn in range(_ITERATIONS):
@@ -133,7 +134,7 @@ def _descend(
 
 
 def _costs(problem: Problem, point: Point, values: Array, sigma: Array) -> Array:
-    """Of each window (W): its errors, and what is believed of its gust."""
+    """Cost of each window (W): its errors and the prior of its gust."""
     places = places_of(problem, point)
     error = residuals(problem, values_of(problem, point.z, values), places, point.start)
     scaled = np.nan_to_num(error / sigma[:, None])
@@ -142,7 +143,7 @@ def _costs(problem: Problem, point: Point, values: Array, sigma: Array) -> Array
 
 
 def _cost(point: Point, costs: Array, odd: float) -> float:
-    """Of all, with Cauchy's loss above `odd` medians."""
+    """Cost of all windows, with Cauchy's loss above `odd` times the median."""
     if np.isfinite(odd):
         limit = odd * np.median(costs)
         costs = limit * np.log1p(costs / limit)
@@ -150,7 +151,7 @@ def _cost(point: Point, costs: Array, odd: float) -> float:
 
 
 def _counts(costs: Array, odd: float) -> Array:
-    """How much each window counts in a step, Cauchy's weights."""
+    """Weight of each window in a step: Cauchy's weights."""
     counts: Array = 1.0 / (1.0 + costs / (odd * np.median(costs)))
     return counts
 
@@ -158,10 +159,10 @@ def _counts(costs: Array, odd: float) -> Array:
 def _eased(
     problem: Problem, point: Point, moved: Point, values: Array, sigma: Array
 ) -> tuple[Point, Array]:
-    """`moved`, but of its own way each window goes the share of `_SHARES` that costs least.
+    """`moved`, but each window's own unknowns move by the share of `_SHARES` that costs least.
 
-    A window in which the boat is unstable may be off after a whole step, however short that of the
-    terms is, and would stop the search of all.
+    Where the boat is unstable, a window may diverge after a whole step of its own unknowns, however
+    short the terms' step is. Such a window would stop the whole search.
     """
     least = np.full(len(problem.windows), np.inf)
     best = moved
@@ -180,7 +181,7 @@ def _eased(
 
 
 def _sigma_of(problem: Problem, point: Point, values: Array, alike: float | None) -> Array:
-    """The residuals' deviations (6), times √κ."""
+    """The residuals' standard deviations (6), times √κ."""
     places = places_of(problem, point)
     error = residuals(problem, values_of(problem, point.z, values), places, point.start)
     with np.errstate(invalid="ignore"):
@@ -192,7 +193,7 @@ def _sigma_of(problem: Problem, point: Point, values: Array, alike: float | None
 
 
 def _alike(error: Array) -> float:
-    """κ of residuals (samples, W): correlation of neighbours, up to the first that has none."""
+    """κ of residuals (samples, W): sums correlations up to the first lag that has none."""
     whole = float((error**2).sum())
     kappa = 1.0
     for k in range(1, len(error)):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Signs of the propellers, found before any fit: inverted, swapped, or as they should be.
+"""Signs of the propellers, found before any fit: inverted, swapped, or correct.
 
-Over a second each, Δu = a_p ∫f(c_p) + a_s ∫f(c_s) − d ∫u and Δr = b_p ∫f(c_p) + b_s ∫f(c_s) −
+Over each second, Δu = a_p ∫f(c_p) + a_s ∫f(c_s) − d ∫u and Δr = b_p ∫f(c_p) + b_s ∫f(c_s) −
 d' ∫r − d'' ∫|u| r, by least squares. Port and starboard ahead push ahead (a > 0); port turns to
 starboard (b_p > 0), starboard to port (b_s < 0).
 """
@@ -22,7 +22,7 @@ _LEAST_COMMAND = 0.05
 class Wiring:
     """How the propellers are connected.
 
-    surge, yaw: (a_p, a_s), (b_p, b_s) in standard errors, as the logs have them.
+    surge, yaw: (a_p, a_s), (b_p, b_s) from the logs, in standard errors.
     """
 
     port_inverted: bool
@@ -33,11 +33,11 @@ class Wiring:
 
     @property
     def right(self) -> bool:
-        """Nothing to mend."""
+        """Whether the wiring is correct."""
         return not (self.port_inverted or self.stbd_inverted or self.swapped)
 
     def sentence(self) -> str:
-        """For the report: what is wrong and the remedy."""
+        """The fault and its remedy, for the report."""
         sides = [
             side
             for side, inverted in (("port", self.port_inverted), ("starboard", self.stbd_inverted))
@@ -58,7 +58,7 @@ class Wiring:
 
 
 def find(logs: Sequence[VoyageLog]) -> Wiring:
-    """The wiring of these logs of one boat. Raises `BadLogError` where nothing can be told."""
+    """The wiring in these logs of one boat. Raises `BadLogError` if they do not show it."""
     rows = [_rows(log) for log in logs]
     surge = _standard_errors(np.vstack([a for a, _ in rows]))
     yaw = _standard_errors(np.vstack([b for _, b in rows]))
@@ -79,7 +79,7 @@ def find(logs: Sequence[VoyageLog]) -> Wiring:
 
 
 def mended(log: VoyageLog, wiring: Wiring) -> VoyageLog:
-    """The log as of a boat that is wired as it should be."""
+    """The log as if the boat had been wired correctly."""
     signs = np.array([-1.0 if wiring.port_inverted else 1.0, -1.0 if wiring.stbd_inverted else 1.0])
     commands = log.commands * signs
     return replace(log, commands=commands[:, ::-1] if wiring.swapped else commands)

@@ -3,8 +3,8 @@
 
 time (`t_s`, `t_ms`, `t_us`), position (`north_m`, `east_m`, or `lat_deg`, `lon_deg`), heading
 (`yaw_deg`, `yaw_rad`), speed over ground ahead and to starboard (`surge_mps`, `sway_mps`), yaw rate
-(`yaw_rate_radps`, `yaw_rate_degps`), and what each propeller was told: `port`, `stbd` (−1 … 1) or
-`pwm_port_us`, `pwm_stbd_us`, 400 µs from the stop being ±1. `left` and `right` serve for port and
+(`yaw_rate_radps`, `yaw_rate_degps`), and the command to each propeller: `port`, `stbd` (−1 … 1) or
+`pwm_port_us`, `pwm_stbd_us`; 400 µs from the stop is ±1. `left` and `right` also stand for port and
 stbd, `heading` for yaw.
 """
 
@@ -25,9 +25,9 @@ _ALIASES = (("left", "port"), ("right", "stbd"), ("starboard", "stbd"), ("headin
 
 
 def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
-    """The log, and sentences about what was assumed. Raises `BadLogError`.
+    """The log, and sentences about the assumptions. Raises `BadLogError`.
 
-    Commands are beyond ±1 where pulses are outside 1100 … 1900 µs.
+    Commands exceed ±1 if pulses are outside 1100 … 1900 µs.
     """
     columns = _columns(path)
     notes: list[str] = []
@@ -39,13 +39,13 @@ def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
         Channel(t, _yaw_rate(path, columns)[:, None]),
     ]
     commands = np.column_stack([_command(path, columns, side, notes) for side in ("port", "stbd")])
-    # A row has the last command until then: it began half a row earlier, on average.
+    # A row has the last command before it, which began half a row earlier on average.
     given = Channel(t - 0.5 * float(np.median(np.diff(t))), commands)
     return sampled(path.stem, motion, given), notes
 
 
 def _columns(path: Path) -> dict[str, Array]:
-    # Spreadsheets put a byte order mark first.
+    # Spreadsheet programs write a byte order mark first.
     with path.open(encoding="utf-8-sig", errors="replace") as file:
         head = file.readline()
         names = [name.strip().lower() for name in head.split(",")]
@@ -164,5 +164,5 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
     share = (pwm - stop) / FULL_US
     if np.nanmin(pwm) < _USUAL_PWM[0] or np.nanmax(pwm) > _USUAL_PWM[1]:
         return share
-    # A stop beside 1500 makes one side longer, which on a real BlueBoat gives no more thrust.
+    # If the stop is not 1500, one side is longer; on a real BlueBoat that gives no more thrust.
     return np.clip(share, -1.0, 1.0)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Logs of flotillad (tlog, with the CAN logs beside it) and ArduPilot's (tlog, .bin).
 
-Motion is ODOMETRY, or ATTITUDE and LOCAL_POSITION_NED; of a .bin XKF1. Commands are esc.RawCommand
-of the CAN logs, with the indices ESC_PORT and ESC_STBD, or 0 and 1; or SERVO_OUTPUT_RAW, or RCOU of
-a .bin, with the outputs whose SERVOn_FUNCTION is ThrottleLeft (73) and ThrottleRight (74), or 1 and
-3. Times are the log's.
+Motion comes from ODOMETRY, or from ATTITUDE and LOCAL_POSITION_NED; in a .bin from XKF1. Commands
+come from esc.RawCommand in the CAN logs, with the indices ESC_PORT and ESC_STBD, or 0 and 1.
+Otherwise they come from SERVO_OUTPUT_RAW, in a .bin from RCOU, by the outputs whose SERVOn_FUNCTION
+is ThrottleLeft (73) and ThrottleRight (74), or 1 and 3. Times are the log's.
 """
 
 from collections import Counter
@@ -44,7 +44,7 @@ def read_tlog(path: Path) -> VoyageLog:
     kinds = {_ODOMETRY} if _ODOMETRY in names else {_LOCAL, _ATTITUDE}
     sources = Counter((s, c) for _, (s, c), name, _ in messages if name in kinds)
     system = _whose(path, {s for s, _ in sources})
-    # A boat's component 1 tells the estimate of its own model: its navigation unit is better.
+    # A boat's component 1 sends the estimate of its own model; its navigation unit is better.
     own = [key for key in sources if key[0] == system]
     unit = max(own, key=lambda key: (key[1] != _AUTOPILOT, sources[key]))
     series = Series(path.stem, aboard=_ODOMETRY in kinds)
@@ -114,7 +114,7 @@ class _Outputs:
 
 
 def _share(pulse_us: float) -> float:
-    """−1 … 1 of a pulse; no pulse is a stop."""
+    """A pulse as −1 … 1; no pulse is a stop."""
     return min(1.0, max(-1.0, (pulse_us - _STOP_US) / _FULL_US)) if pulse_us else 0.0
 
 
@@ -127,7 +127,7 @@ def _decoded(path: Path) -> Iterator[tuple[float, tuple[int, int], str, Any]]:
 
 
 def _whose(path: Path, systems: set[int]) -> int:
-    """The system that the log is of."""
+    """The system that the log belongs to."""
     if not systems:
         raise BadLogError(f"{path}: has neither ODOMETRY nor LOCAL_POSITION_NED with ATTITUDE")
     owner = tlog_reader.facts(path).owner if len(systems) > 1 else systems.pop()

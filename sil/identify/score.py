@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How well a hull predicts a log that it was not fitted to: ten seconds in open loop."""
+"""Scores a hull's open-loop predictions over ten seconds of logs that it was not fitted to."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,14 +27,14 @@ class Score:
 
 
 def score(problem: Problem, values: Array, local: Array, logs: Sequence[VoyageLog]) -> Score | None:
-    """Windows of `logs` in which the propellers work, one a second.
+    """Score over windows of `logs` in which the propellers work, one window a second.
 
-    Each begins as measured: position and heading of its first sample, velocities by its first half
-    second, the compass deviation of `values` taken off. local (logs, 4): current and push of each
-    log (`LOCAL`). None where there is no such window.
+    Each window begins as measured: position and heading of its first sample, velocities from its
+    first half second, corrected by the compass deviation of `values`. local (logs, 4): current and
+    wind of each log (`LOCAL`). None if there is no such window.
     """
     windows = cut(logs, _STRIDE_S)
-    # Without a first sample, as in a gap, a window has no place to begin.
+    # A window without a first sample, as in a gap, has no initial state.
     known = np.isfinite(windows.measured)
     begun = np.all(known[0] | ~known.any(axis=0), axis=0)
     windows = windows.chosen(windows.working() & begun)

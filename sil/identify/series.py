@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Series that messages of a log fill, and the log that comes of them."""
+"""Series of values from the messages of a log, and the log made from them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from sil.identify.voyage_log import BadLogError, Channel, VoyageLog, sampled
 
 @dataclass
 class Series:
-    """Rows (time s, values …) as they are heard; velocity north and east, or ahead and aside."""
+    """Rows (time s, values …) in order of arrival; velocity north and east, or ahead and aside."""
 
     name: str
     position: list[tuple[float, float, float]] = field(default_factory=list)
@@ -23,7 +23,7 @@ class Series:
     aboard: bool = False  # the velocity is ahead and to starboard
 
     def log(self) -> VoyageLog:
-        """The log. Raises `BadLogError` for what is missing."""
+        """The log. Raises `BadLogError` if a series is missing."""
         wanted = {
             "position": _in_order(self.position),
             "heading": _in_order(self.heading),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The figures that an owner and the firmware want of a hull: newtons, kilograms, parameters."""
+"""The figures of a hull for its owner and for the firmware: newtons, kilograms, parameters."""
 
 from dataclasses import dataclass
 
@@ -22,14 +22,14 @@ _DRAFT = 0.1  # of the length; only its product with the drag coefficient counts
 
 @dataclass(frozen=True)
 class Boat:
-    """Measured with scales and a tape. surge_mass_kg: VES_M11, the mass with the water's share."""
+    """Values measured with scales. surge_mass_kg: VES_M11, the mass with the water's added mass."""
 
     mass_kg: float
     added: float = 0.05
 
     @property
     def surge_mass_kg(self) -> float:
-        """Inertia in surge: a log determines all else relative to it."""
+        """Inertia in surge; a log determines all other values relative to it."""
         return self.mass_kg * (1.0 + self.added)
 
 
@@ -41,7 +41,7 @@ def drag_N(terms: Array, m11_kg: float, speed_mps: float) -> Array:
 
 
 def yaw_moment_Nm(terms: Array, m11_kg: float, rate_radps: float, length_m: float) -> Array:
-    """Moment that holds a yaw rate at rest, the cross-flow's included."""
+    """Moment that holds a yaw rate without way on, including that of the cross-flow."""
     crossflow = terms[..., INDEX["d22_quadratic"]] * length_m**3 / 32.0  # ∫ |x|³ dx / L
     linear, quadratic = terms[..., INDEX["d33"]], terms[..., INDEX["d33_quadratic"]]
     moment: Array = m11_kg * (linear + (quadratic + crossflow) * rate_radps) * rate_radps
@@ -49,7 +49,7 @@ def yaw_moment_Nm(terms: Array, m11_kg: float, rate_radps: float, length_m: floa
 
 
 def working_speed_mps(found: Identification) -> float:
-    """Median speed ahead while the propellers work: where drag is taken as linear."""
+    """Median speed ahead while the propellers work; drag is linearised there."""
     u = np.concatenate([log.motion[:, 3] for log in found.logs])
     busy = np.concatenate([np.abs(log.commands).max(axis=1) > 0.05 for log in found.logs])
     ahead = u[busy & (u > 0.1)]
@@ -57,9 +57,9 @@ def working_speed_mps(found: Identification) -> float:
 
 
 def hull_of(found: Identification, boat: Boat) -> Preset:
-    """The hull for the simulation, and for the firmware at the speed that the logs have most.
+    """The hull for the simulation, and for the firmware at the logs' usual speed.
 
-    Of terms that neither knows, drag sideways that grows with speed is taken at that speed.
+    Both models lack sideways drag that grows with speed; it is taken at that speed.
     """
     body, m11 = found.problem.body, boat.surge_mass_kg
     t = {name: float(found.fit.values[k]) for name, k in INDEX.items()}
@@ -95,11 +95,11 @@ def hull_of(found: Identification, boat: Boat) -> Preset:
 
 
 def parameters(found: Identification, boat: Boat) -> dict[str, float]:
-    """The firmware's parameters of this hull."""
+    """The firmware's parameters for this hull."""
     hull = hull_of(found, boat)
     own = presets.firmware(hull)
     own["THR_BALANCE"] = hull.propellers.stbd_gain - 1.0
-    # Latencies are told as differences to the heading's, so that they do not give NAV_LAG_S.
+    # Latencies are relative to the heading's, so they do not determine NAV_LAG_S.
     for name, k in (("NAV_OFS_X", INDEX["antenna_x"]), ("NAV_OFS_Y", INDEX["antenna_y"])):
         if found.intervals.told[k]:
             own[name] = found.fit.values[k]

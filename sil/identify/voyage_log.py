@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A log as an identification takes it: motion and commands at one rate, in one frame."""
+"""The form of a log for an identification: motion and commands at one rate, in one frame."""
 
 from dataclasses import dataclass
 
@@ -39,14 +39,14 @@ class VoyageLog:
 
 @dataclass(frozen=True)
 class Channel:
-    """A series as a file has it: times (s) and values (samples, columns)."""
+    """A series as read from a file: times (s) and values (samples, columns)."""
 
     t_s: Array
     values: Array
 
 
 def sampled(name: str, motion: list[Channel], commands: Channel) -> VoyageLog:
-    """One log of series that each have times of their own; motion: position, heading, (u, v), r."""
+    """One log from series with different times; motion: position, heading, (u, v), r."""
     begin = max(c.t_s[0] for c in (*motion, commands))
     end = min(c.t_s[-1] for c in (*motion, commands))
     count = int((end - begin) / SAMPLE_S + 1e-6)
@@ -71,7 +71,7 @@ def sampled(name: str, motion: list[Channel], commands: Channel) -> VoyageLog:
 
 
 def _at(channel: Channel, t: Array) -> Array:
-    """Linear between samples, NaN in gaps and beside values that are missing."""
+    """Interpolates linearly; NaN in gaps and beside missing values."""
     out = np.empty((len(t), channel.values.shape[1]))
     for k, column in enumerate(channel.values.T):
         known = np.isfinite(column)
@@ -86,7 +86,7 @@ def _at(channel: Channel, t: Array) -> Array:
 
 
 def _held(commands: Channel, t: Array) -> Array:
-    """Mean over each sample of commands that hold until the next; 0 before the first."""
+    """Mean command over each sample; a command holds until the next one, 0 before the first."""
     times = np.append(commands.t_s, t[-1] + 1.0)
     rows = np.arange(len(commands.values))[:, None]
     last = np.maximum.accumulate(np.where(np.isfinite(commands.values), rows, 0))

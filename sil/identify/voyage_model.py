@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat in open loop over many stretches of a log at once: commands in, measurements out.
+"""Simulates a boat in open loop over many stretches of a log: commands in, measurements out.
 
     u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + k_x |a| a_x
     m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + k_y |a| a_y
@@ -50,9 +50,9 @@ HULL_TERMS = (
 
 @dataclass(frozen=True)
 class Body:
-    """What is measured with a tape: half the distance of the propellers, length; sample time.
+    """Measured with a tape: half the distance between the propellers, length; also the sample time.
 
-    gate: how far beside the dead band's edge, as a share of it, thrust is partly there.
+    gate: width of the transition at the dead band's edge, to either side, as a share of the edge.
     """
 
     arm_m: float
@@ -65,7 +65,7 @@ def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Bo
     """Measurements (samples, 6, W, C): n, e, ψ, u, v, r of W stretches for C sets of terms.
 
     terms (K, C); local (8, W, C): current and wind over the water, north and east, and a moment,
-    then by how much wind and moment rise in the stretch's second half, as they did in its first;
+    then the rise of wind and moment in the second half of the stretch, the same as in the first;
     start (6, W, C): n, e, ψ of the boat and u, v, r through the water; commands (before + samples,
     W, 2), port and starboard, held for a sample; the first is `before(h)` samples before the
     stretch.
@@ -99,11 +99,11 @@ def before(h_s: float) -> int:
 
 
 def static_thrust(terms: Array, commands: Array, gate: float) -> Array:
-    """Thrust (…, C, 2) at rest that commands (…, 2) settle at, over m11; gate: `Body`'s."""
+    """Steady thrust (…, C, 2) over m11 at rest under commands (…, 2); gate: as in `Body`."""
     c = commands[..., None, :]
     dead, expo = terms[INDEX["dead"]][:, None], terms[INDEX["expo"]][:, None]
     size = np.clip(np.abs(c), 0.0, 1.0)
-    # No thrust below the dead band, all of it above; the search needs a slope between.
+    # No thrust below the dead band, full thrust above; the search needs a slope between them.
     works = np.clip(0.5 + (1.0 - dead / np.maximum(size, 1e-6)) / (2.0 * gate), 0.0, 1.0)
     size = works * size * (1.0 - expo + expo * size)
     side = np.array([-1.0, 1.0])
@@ -116,7 +116,7 @@ def static_thrust(terms: Array, commands: Array, gate: float) -> Array:
 
 
 def _thrusts(terms: Array, commands: Array, body: Body) -> Array:
-    """The thrust wanted in each step, (steps, 2, W, C), late by the dead time, before the lag."""
+    """Thrust demanded in each step (steps, 2, W, C), delayed by the dead time, before the lag."""
     held = np.moveaxis(static_thrust(terms, commands, body.gate), -1, 1)  # (samples, 2, W, C)
     total = np.zeros((len(held) + 1, *held.shape[1:]))
     np.cumsum(held, axis=0, out=total[1:])
@@ -140,7 +140,7 @@ def deviation(terms: Array, psi: Array) -> Array:
 
 
 def measured(states: Array, terms: Array, local: Array, h_s: float) -> Array:
-    """What the log has of these states (samples, 6, W, C): deviation, antenna, ages."""
+    """Measurements of these states (samples, 6, W, C): compass deviation, antenna, latencies."""
     _, _, psi, u, v, r = np.moveaxis(states, 1, 0)
     cos, sin = np.cos(psi), np.sin(psi)
     x, y = terms[INDEX["antenna_x"]], terms[INDEX["antenna_y"]]

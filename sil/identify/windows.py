@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Stretches of logs that are simulated in open loop, side by side."""
+"""Windows: stretches of logs that are simulated in open loop, side by side."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ class Windows:
         return len(self.log)
 
     def chosen(self, which: npt.NDArray[np.bool_]) -> "Windows":
-        """Some of them."""
+        """The windows that a mask selects."""
         return Windows(
             self.commands[:, which],
             self.measured[:, :, which],
@@ -38,7 +38,7 @@ class Windows:
         )
 
     def begun(self, share: float) -> "Windows":
-        """The first share of each."""
+        """The first part of each window."""
         samples = round(share * len(self.measured))
         ahead = len(self.commands) - len(self.measured)
         return replace(
@@ -46,7 +46,7 @@ class Windows:
         )
 
     def working(self) -> npt.NDArray[np.bool_]:
-        """In which the propellers work for a tenth of the time or more."""
+        """Mask of the windows in which the propellers work for a tenth of the time or more."""
         inside = np.abs(self.commands[before(SAMPLE_S) :]).max(axis=2) > _WORKING
         share: npt.NDArray[np.bool_] = inside.mean(axis=0) > 0.1
         return share
@@ -81,7 +81,7 @@ def cut(logs: Sequence[VoyageLog], stride_s: float = WINDOW_S) -> Windows:
 
 
 def _from_first_turn(motion: Array) -> Array:
-    """Heading within half a turn of north at the window's begin."""
+    """Shifts the heading by whole turns, to within half a turn of north at the window's start."""
     first = motion[np.isfinite(motion[:, 2]), 2]
     if len(first) == 0:
         return motion

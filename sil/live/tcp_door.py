@@ -37,7 +37,7 @@ class Door(NamedTuple):
 
 
 class TcpDoor:
-    """A server on the loopback interface, and the link by which it reaches the boat.
+    """A server on the loopback interface, and its link to the boat.
 
     The port is `wished` or the next free one. OSError if none is free.
     """

@@ -50,7 +50,7 @@ class Summary(TypedDict):
     real_time_factor: float
     digest: str | None
     release_unix_s: float | None  # UNIX time of t_s = 0
-    late_s: float | None  # by which the simulation was late at its worst tick
+    late_s: float | None  # greatest delay of a tick of the simulation
     boats: list[BoatSummary]
     min_separation_m: float | None
     hull_m: float  # length of the longest hull

@@ -66,7 +66,7 @@ def _states(boats: list[BoatSummary]) -> list[str]:
 
 def _separation(summary: Summary) -> list[str]:
     least_m, hull_m = summary["min_separation_m"], summary["hull_m"]
-    # "not at least" rather than "under": NaN is not a distance
+    # "not at least" rather than "under": NaN counts as too near
     if least_m is None or least_m >= hull_m:
         return []
     return [f"two boats came nearer than a hull is long, {hull_m:g} m"]

@@ -101,7 +101,7 @@ def live(
 
 
 def _remove_earlier(out: Path) -> None:
-    """Remove an earlier run's logs, parameters, plans and fences, and what a live run lacks."""
+    """Remove an earlier run's logs, parameters, plans, fences, and files that a live run lacks."""
     for name in ("recording.bin", "run.mcap"):
         (out / name).unlink(missing_ok=True)
     for boat in out.glob("boat[0-9]*"):

@@ -265,7 +265,7 @@ def _label_ends(axes: Axes, values: Array) -> None:
 
 def _drawable(eta: Array) -> int:
     """Number of ticks of `eta` (T, N+1, 3) before an agent is too far from its start."""
-    # "not less" rather than "more": NaN is nowhere
+    # "not less" rather than "more": NaN counts as too far
     lost = ~(np.abs(eta[..., :2] - eta[0, :, :2]) < _FARTHEST_M) | ~np.isfinite(eta[..., 2:])
     lost_ticks = np.flatnonzero(lost.any(axis=(1, 2)))
     return max(1, int(lost_ticks[0])) if lost_ticks.size else len(eta)

@@ -53,7 +53,7 @@ class Claim:
 
     `limit_m` is infinite if boats cannot hold their slots and must stop. `map_s`: part of the run
     that its map shows. `many_seeds`: figures are 95th percentiles. `defaults`: overrides with the
-    product's defaults for its law, except what the scenario tests.
+    product's defaults for its law, except the settings under test.
     """
 
     about: str

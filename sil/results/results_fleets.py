@@ -56,7 +56,7 @@ class Case:
     """A scenario at the settings of its claim, with overrides, and its purpose.
 
     `most`: the greatest figures allowed, by `claims.Bound.key`. `seeds`: with many, a figure is the
-    95th percentile. `by_depth`: the page also tells the distances from the slots by depth.
+    95th percentile. `by_depth`: the page also shows the distances from the slots by depth.
     """
 
     about: str

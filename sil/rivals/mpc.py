@@ -30,7 +30,7 @@ _OPTIONS: Any = {
 
 
 class Mpc:
-    """A boat on a path; solves every `_STEP_S` and holds the thrusts meanwhile."""
+    """A boat on a path; solves every `_STEP_S`, and holds the thrusts in between."""
 
     def __init__(self, known: Known, path: Path, position: float = 20.0, rest: float = 0.02):
         self._known, self._path = known, path

@@ -12,7 +12,7 @@ from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
 
-STOPS_S = 15.0  # time by which a run is longer than its plan
+STOPS_S = 15.0  # time that a run lasts beyond its plan
 
 Place = tuple[float, float]
 

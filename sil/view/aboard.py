@@ -50,7 +50,7 @@ class Aboard:
         return self._values.get(name, now_s)
 
     def lost_s(self, name: str, now_s: float) -> float | None:
-        """How long ago it was sent, if it is known no more; None if valid or never sent."""
+        """Age of a value that is no longer valid, s; None if it is valid or was never sent."""
         return self._values.lost_s(name, now_s)
 
     def battery_V(self, now_s: float) -> float | None:

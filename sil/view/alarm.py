@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Alarms for a source that delivers nothing: the problem, and what to check."""
+"""Alarms for a source that delivers nothing: the problem and its remedy."""
 
 import errno
 import socket

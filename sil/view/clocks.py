@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""The clocks in a vessel's messages: tells a restart from a late message and from a second vessel.
+"""The clocks in a vessel's messages: distinguishes a restart, a late message and a second vessel.
 
-A message that arrives at t, with the time b since its sender's start, gives t − b as the start. For
-a late message that is too late; two vessels with one system id give two starts in turn.
+A message that arrives at t, with the time b since its sender's start, gives t − b as the start. A
+late message gives too late a start; two vessels with one system id give two starts in turn.
 """
 
 from collections import deque
 from dataclasses import dataclass
 
 _SAME_S = 2.0  # two starts nearer than that are one
-_LASTS, _LASTS_S = 3, 1.0  # messages and time after which another clock is the vessel's
-_TURNS, _TURNS_S = 3, 10.0  # changes from one clock to the other and back that tell of two vessels
+_LASTS, _LASTS_S = 3, 1.0  # messages, s: then another clock becomes the vessel's
+_TURNS, _TURNS_S = 3, 10.0  # changes between two clocks, s: these mean two vessels
 
 
 @dataclass
 class _Other:
-    """Another clock: the start it tells, when it was first heard, and how often in a row."""
+    """Another clock: its start, when it was first heard, and how often in a row."""
 
     start_s: float
     since_s: float
@@ -23,7 +23,7 @@ class _Other:
 
 
 class Clocks:
-    """Two vessels that started within 2 s of each other are not told apart."""
+    """The clocks heard; two vessels that started within 2 s of each other count as one."""
 
     def __init__(self) -> None:
         self._start_s: float | None = None
@@ -41,7 +41,7 @@ class Clocks:
         return len(turns_s) == _TURNS and now_s - turns_s[0] < _TURNS_S
 
     def hear(self, boot_ms: int, now_s: float) -> bool:
-        """Process a message; whether its vessel was restarted, as a new clock has lasted."""
+        """Process a message; whether its vessel was restarted: a new clock has persisted."""
         start_s, other = now_s - 0.001 * boot_ms, self._other
         if self._start_s is None or abs(start_s - self._start_s) < _SAME_S:
             self._start_s = start_s

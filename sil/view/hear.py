@@ -27,7 +27,7 @@ class Listener:
     """Listens at one address. ValueError if it is invalid, OSError if it cannot be opened.
 
     `ear` counts bytes. A server or serial line that is absent or lost is retried every second;
-    meanwhile `trouble` says what to check.
+    meanwhile `trouble` names the problem and its remedy.
     """
 
     def __init__(self, address: str) -> None:

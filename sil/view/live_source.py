@@ -57,7 +57,7 @@ class Live:
         vessels = self._fleet.vessels(now_s)
         plans = self._fleet.drawn_plans()
         ear = self._listener.ear
-        # Plans and texts are long and seldom change; who opens the page gets them a little later.
+        # Plans and texts are long and seldom change; a page just opened gets them a little later.
         self._frames += 1
         texts_heard = self._fleet.texts_heard
         is_news = plans is not self._news[0] or texts_heard != self._news[1]
@@ -83,7 +83,7 @@ class Live:
         return json_of(self.frame())
 
     def _alarm(self, now_s: float) -> str | None:
-        """Why nothing is heard and what to check; None if all is well."""
+        """The reason why nothing is heard, and its remedy; None if all is well."""
         if self._listener.trouble is not None:
             return f"{self._listener.address}: {self._listener.trouble}"
         if self._listener.ear.heard != self._bytes:

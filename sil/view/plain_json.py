@@ -7,7 +7,7 @@ from typing import Any
 
 
 def json_of(value: object) -> str:
-    """JSON text. Numbers that are not finite become null, lest one from the air stops the page."""
+    """JSON text. Non-finite numbers become null: one from the radio must not stop the page."""
     try:
         return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
     except ValueError:

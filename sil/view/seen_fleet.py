@@ -34,9 +34,9 @@ class Fleet:
     """Vessels by system id; at most 255.
 
     The view's frame has the first origin that is received; it moves when all vessels now heard are
-    more than 50 km away. A boat is never dropped for its silence: where it was last is where to
-    look for it. Other vessels are, after 60 s. `length_m`: length of the boats, which they do not
-    send. `plans`: theirs.
+    more than 50 km away. A silent boat is never dropped, because its last place is where to
+    look for it. Others are dropped after 60 s. `length_m`: length of the boats, which they do not
+    send. `plans`: the vessels' plans.
     """
 
     def __init__(self, length_m: float) -> None:

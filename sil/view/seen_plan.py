@@ -84,7 +84,7 @@ class Plans:
         return self._plans.get(system, {})
 
     def systems(self) -> list[int]:
-        """Vessels of which a plan, fence or rally point is known."""
+        """Vessels with a known plan, fence or rally point."""
         return sorted(self._plans)
 
     def forget(self, system: int) -> None:

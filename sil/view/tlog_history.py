@@ -176,7 +176,7 @@ class _Told:
         }
 
     def _fill(self, samples: int) -> None:
-        """Fill a gap: unheard before its first sample, then forgotten for its silence."""
+        """Fill a gap: not heard before its first sample, later dropped for its silence."""
         is_heard = bool(self._rows) and self._rows[-1] is not _NOTHING
         self._rows += [_FORGOTTEN if is_heard else _NOTHING] * (samples - len(self._rows))
 

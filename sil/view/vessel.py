@@ -28,8 +28,8 @@ class Vessel:
     """A system that may be a vessel; `kind` is None until a HEARTBEAT identifies it as one.
 
     kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). A component
-    that has once sent what only a Flotilla sends stays one. Its position is taken from component 1,
-    else from the lowest component heard; times are the listener's, s.
+    that has once sent a message of Flotilla's alone stays one. Its position is taken from component
+    1, else from the lowest component heard; times are the listener's, s.
     """
 
     def __init__(self, system: int, now_s: float) -> None:
@@ -48,7 +48,7 @@ class Vessel:
         self._main = 256
         self._ours: set[int] = set()  # components that run Flotilla
         self._clocks = Clocks()
-        self._anew: tuple[Motion, Aboard] | None = None  # what another clock's sender has told
+        self._anew: tuple[Motion, Aboard] | None = None  # values from a sender with another clock
 
     def hear(self, message: Message, now_s: float) -> None:
         """Process a message of this system."""
@@ -108,7 +108,7 @@ class Vessel:
         return states.held_by(halves[0] | halves[1] << 24, self.state)
 
     def conditions_lost_s(self) -> float | None:
-        """How long ago it told its conditions, if they are known no more; else None."""
+        """Age of its conditions if they are no longer valid, s; else None."""
         lost = [self.aboard.lost_s(name, self.heard_s) for name in _CONDITIONS]
         return max((age_s for age_s in lost if age_s is not None), default=None)
 

@@ -92,7 +92,7 @@ def heard_table(frame: bytes) -> HeardTable:
 
 
 def beacon_message(epoch: int, digest: int, sequence: int, sender: tuple[int, int]) -> bytes:
-    """A FLEET_BEACON frame of who has that table and is no member: boats send it a newer one."""
+    """A FLEET_BEACON frame of a non-member with that table; boats answer with a newer table."""
     payload = _BEACON.pack(0, epoch, digest, 0, 0, 0, sequence)
     return _frame(FLEET_BEACON, payload.rstrip(b"\0"), sender)
 
@@ -129,7 +129,7 @@ def digest_of(message: bytes) -> int:
 
 
 def _payload(frame: bytes) -> bytes:
-    """Of a FLEET_TABLE frame, with the zeros that MAVLink 2 leaves out."""
+    """The payload of a FLEET_TABLE frame, with the zeros that MAVLink 2 leaves out."""
     payload = frame[HEADER[MAGIC_2] : HEADER[MAGIC_2] + frame[1]].ljust(_TABLE_BYTES, b"\0")
     return payload[:_TABLE_BYTES]
 

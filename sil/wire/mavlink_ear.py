@@ -19,7 +19,7 @@ _BEGIN = re.compile(rb"[\xfd\xfe]")
 
 
 class Message(NamedTuple):
-    """`fields` in the order of `mavlink_messages.LAYOUTS`; empty for messages that nobody reads.
+    """`fields` in the order of `mavlink_messages.LAYOUTS`; empty if a message is not read here.
 
     None for an unknown message, whose checksum cannot be verified.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""TCP connections whose other side may vanish without a word, with its router's power or its radio.
+"""TCP connections whose other side may vanish silently, with its router's power or its radio.
 
 Source: Linux, tcp(7).
 """
@@ -11,7 +11,7 @@ from typing import Any
 
 _IDLE_S, _EVERY_S, _PROBES = 5, 2, 3
 _LOST_S = _IDLE_S + _EVERY_S * _PROBES
-_TRIES = 2  # after the first one: a connection that nobody answers fails after 7 s
+_TRIES = 2  # after the first one: an unanswered connection fails after 7 s
 
 
 def notice_loss(connection: socket.socket) -> None:
@@ -27,7 +27,7 @@ def notice_loss(connection: socket.socket) -> None:
 
 
 def begin_connection(family: int, server: Any) -> socket.socket:
-    """A connection that is not waited for: if it fails later, reading it fails. OSError."""
+    """Begin a connection without waiting; if it fails later, reading it fails. OSError."""
     connection = socket.socket(family, socket.SOCK_STREAM)
     connection.setblocking(False)
     notice_loss(connection)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every message that a boat sends when it is asked for it, written out once more: none is lost
-// unseen from the boat's own lists.
+// Every message that a boat sends on request, as a second list, so that the loss of one from the
+// boat's own lists is noticed.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A boat at its quay: a navigation unit, a leader, an operator and two ESCs talk to it, each can be
-// silenced; what it says is read back. Both vessels are held where they are.
+// A boat at its quay. A navigation unit, a leader, an operator and two ESCs send to it, and each
+// can be silenced; the boat's output is read back. Boat and leader do not move.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace flotilla::testing {
 
-/// B: what takes a boat's place.
+/// B: the type used as the boat.
 template <class S, class B = app::Boat<S>>
 struct Harbour {
   static constexpr std::int64_t kTick_us = 10'000;
@@ -20,7 +20,7 @@ struct Harbour {
   explicit Harbour(const app::Parameters& p = app::Parameters{}, std::size_t links = 1)
       : boat(timed(p), links), received(links) {}
 
-  /// Nobody here answers TIMESYNC, and nobody is late.
+  /// No sender here answers TIMESYNC, and none is late.
   static app::Parameters timed(app::Parameters p) {
     p.NAV_LAG_S = p.FORM_LAG_S = 0;
     return p;
@@ -34,10 +34,10 @@ struct Harbour {
   std::int64_t now_us = 1'000'000;
   std::uint8_t esc_transfer = 0, node_transfer = 0;
 
-  /// Of the last tick.
+  /// Output of the last tick.
   link::RawCommand raw{};
   std::vector<std::vector<link::Message>> received;
-  /// The last there was.
+  /// The last ArmingStatus sent.
   std::optional<std::uint8_t> arming;
 
   static link::Odometry state(std::int64_t stamp_us, float north_m, float speed) {
@@ -73,7 +73,7 @@ struct Harbour {
     for (std::size_t i = 0; i < n; ++i) boat.on_can(frames[i].id, frames[i].bytes(), now_us);
   }
 
-  /// All that talk say what is true now.
+  /// Sends the present true state from all senders that are not silenced.
   void talk() {
     const link::GpsGlobalOrigin origin{410'000'000, 20'000'000, 0, 0};
     const bool second = now_us % 1'000'000 < kTick_us;
@@ -93,7 +93,7 @@ struct Harbour {
     ++esc_transfer, ++node_transfer;
   }
 
-  /// One tick of the boat, without moving time.
+  /// One tick of the boat; time does not advance.
   void tick() {
     const auto out = boat.tick(now_us);
     raw = {};

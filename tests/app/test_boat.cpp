@@ -119,7 +119,7 @@ TEST_CASE_TEMPLATE("leader silent: the boat coasts from the timeout on, then bot
   CHECK(h.stopped());
   h.leader_talks = true;
   h.sail(2);
-  CHECK(h.boat.state() == State::kHold);  // from there on the operator has to say so
+  CHECK(h.boat.state() == State::kHold);  // from there only an operator can restart it
 }
 
 TEST_CASE_TEMPLATE("a leader that is heard again within COAST is followed again, by itself", S,
@@ -301,7 +301,7 @@ TEST_CASE_TEMPLATE("on a serial line busy with another dialect's messages no com
         h.operator_,
         link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0}));
     for (int k = 0; k < 10; ++k) add(foreign_frame());
-    for (std::size_t at = 0; at < stream.size(); at += 36) {  // what a tick brings
+    for (std::size_t at = 0; at < stream.size(); at += 36) {  // the bytes of one tick
       h.boat.on_mavlink(
           std::span(stream).subspan(at, std::min<std::size_t>(36, stream.size() - at)), h.now_us,
           1);
@@ -355,7 +355,7 @@ TEST_CASE_TEMPLATE("no foreign system id ever moves the own track or the leader'
       h.tell(foreign, Harbour<S>::state(h.now_us + k, 777, 9));
       h.tell(foreign, link::GpsGlobalOrigin{1, 1, 0, 0});
     }
-    link::MavlinkEncoder echo({1, 1});  // our own voice, come back over another link
+    link::MavlinkEncoder echo({1, 1});  // our own message, received on another link
     h.tell(echo, Harbour<S>::state(h.now_us + k, 777, 9));
     h.step();
     alone.step();

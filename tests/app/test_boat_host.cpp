@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a boat is told by its host, and what the host gets from it.
+// The host's reports to the boat, and the boat's output to its host.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -90,7 +90,7 @@ TEST_CASE_TEMPLATE("a boat that lost its fence is armed by nobody before it was 
     h.tell(h.operator_, circle);
   }
   h.step();
-  CHECK(h.boat.stored_id(Stored::kFence) != lost);  // so its host saves the new one, or none
+  CHECK(h.boat.stored_id(Stored::kFence) != lost);  // so the host saves the new fence, or none
   report();
   h.arm();
   h.step();
@@ -236,7 +236,7 @@ TEST_CASE_TEMPLATE(
     h.sail(4);
     for (int i = 0; i < k; ++i) h.step();
     h.tell(h.navigation, link::GpsGlobalOrigin{kMoved, 20'000'000, 0, 0});
-    for (int i = k; i < 98; ++i) {  // until the harbour's unit tells its own again
+    for (int i = k; i < 98; ++i) {  // until the harbour's unit sends its own origin again
       h.step();
       for (const link::Message& message : h.received[0]) {
         const auto* origin = std::get_if<link::GpsGlobalOrigin>(&message);
@@ -265,7 +265,7 @@ TEST_CASE_TEMPLATE("a host's clock that was set back by an hour is followed afte
   h.now_us -= kHour_us;
   h.leader_clock_us += kHour_us;
   h.sail(1.1);
-  // While time stands still nothing can be trusted, the ESCs included.
+  // While time stands still, no data can be trusted, including the ESCs'.
   CHECK(h.stopped());
   CHECK(h.boat.state() == State::kFault);
   const std::uint32_t counted = h.boat.snapshot().counters.clock_went_back;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat driven by sticks, by a motor test, behind a leader whose clock is another.
+// A boat driven by sticks, by a motor test, or behind a leader with a different clock.
 #include <doctest/doctest.h>
 
 #include <cstring>

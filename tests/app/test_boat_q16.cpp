@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat in fixed point whose numbers run out of their range: it stops, and wants to be looked at.
+// A boat in fixed point whose numbers exceed their range: it stops, and requires an inspection.
 #include <doctest/doctest.h>
 
 #include "app/harbour.hpp"
@@ -13,7 +13,7 @@ using testing::Harbour;
 
 constexpr auto kSentence = "numeric overflow in the control law";
 
-/// Gains of a ship, and 30 m to go: more newtons are asked for than Q16 has.
+/// Gains of a ship, and 30 m to go: the law needs more newtons than Q16 can represent.
 Parameters eager() {
   Parameters p;
   p.LAW_KDU = 10'000;
@@ -21,7 +21,7 @@ Parameters eager() {
   return p;
 }
 
-/// Ticks for a second: whether the boat ever pushed, and whether it said why not.
+/// Ticks for a second: whether the boat gave thrust, and whether it reported why not.
 template <class S>
 std::pair<bool, bool> watch(Harbour<S>& h) {
   bool pushed = false, said = false;

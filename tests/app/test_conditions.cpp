@@ -13,7 +13,7 @@ const link::GpsGlobalOrigin kLake{410'000'000, 20'000'000, 500'000, 0};
 
 bool has(core::Conditions met, core::Conditions desired) { return (met & desired) == desired; }
 
-/// Limits, and what they see tick by tick.
+/// Limits, and their inputs tick by tick.
 struct Watch {
   Parameters p;
   FailsafeLimits limits;
@@ -98,7 +98,7 @@ TEST_CASE("home is where the boat was first seen, then where it was armed; there
   Watch watch;
   watch.p.FS_FENCE_M = 100;
   watch.pass(1);
-  CHECK_FALSE(watch.inside());  // nobody knows
+  CHECK_FALSE(watch.inside());  // unknown position
   watch.at(0);
   watch.pass(1);
   REQUIRE(watch.limits.home());

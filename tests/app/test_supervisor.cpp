@@ -12,7 +12,7 @@ using core::State;
 constexpr link::Address kFirst{255, 190}, kSecond{254, 190};
 constexpr Sticks kNeutral{0, 0}, kFull{1, 0};
 
-/// Ticks of 10 ms of a boat whose propellers are sound, and that lacks what `lost` says.
+/// Ticks of 10 ms of a boat with sound propellers, without the conditions in `lost`.
 struct Helm {
   Supervisor supervisor;
   std::int64_t now_us = 1'000'000;
@@ -37,7 +37,7 @@ struct Helm {
   }
   bool pushes() const { return supervisor.may_drive(met(), now_us); }
 
-  /// Armed, and the ESCs have seen their zeros.
+  /// Armed, and the ESCs have received zeros.
   Helm() {
     tick(Request::kArm);
     for (int i = 0; i < 30; ++i) tick();

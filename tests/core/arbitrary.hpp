@@ -17,7 +17,7 @@ namespace flotilla::testing {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// A number of a test in the scalar of core.
+/// A test's number in the scalar of core.
 template <class S>
 S in_scalar(double x) {
   return S(x);
@@ -41,14 +41,14 @@ struct Random {
   std::mt19937 engine;
 };
 
-/// Equal but for some roundings of numbers as large as `scale`.
+/// Equal except for some rounding errors of numbers as large as `scale`.
 template <class S>
 doctest::Approx approx(S value, double scale = 1) {
   const double epsilon = 100 * static_cast<double>(std::numeric_limits<S>::epsilon());
   return doctest::Approx(static_cast<double>(value)).epsilon(epsilon).scale(scale);
 }
 
-/// To the last bit, the sign of a zero included.
+/// Equal to the last bit, including the sign of a zero.
 inline bool same_bits(float a, float b) {
   return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
 }
@@ -73,7 +73,7 @@ core::ControllerInput<S> arbitrary_encounter(Random& random) {
   return in;
 }
 
-/// In its slot, with its leader's velocity.
+/// A boat in its slot, with its leader's velocity.
 template <class S>
 core::ControllerInput<S> encounter_in_slot(const core::Vec2<S>& d, Random& random) {
   core::ControllerInput<S> in = arbitrary_encounter<S>(random);
@@ -97,7 +97,7 @@ inline core::ControllerInput<double> later(core::ControllerInput<double> in, dou
   return in;
 }
 
-/// The paper's error and virtual velocity: the slot goes as the leader does.
+/// The paper's error and virtual velocity: the slot has the leader's motion.
 template <class S>
 core::FormationError<S> papers_error(const core::ControllerInput<S>& in, const core::Vec2<S>& d) {
   return core::formation_error(in, core::slot_beside(in, d));
@@ -117,7 +117,7 @@ core::Vessel<S> arbitrary_vessel(Random& random) {
   return {draw(), draw(), draw(), draw(), draw(), draw()};
 }
 
-/// One whose m11 is so many times its m22.
+/// A vessel whose m11 is `m11_m22` times its m22.
 template <class S>
 core::Vessel<S> arbitrary_vessel(Random& random, S m11_m22) {
   const core::Vessel<S> v = arbitrary_vessel<S>(random);

@@ -99,7 +99,7 @@ core::Tau<double> in_double(const core::Tau<S>& tau) {
   return {number_of(tau.X), number_of(tau.N)};
 }
 
-/// Sails until `until` at 100 Hz with exact states. The last error.
+/// Sails until `until` at 100 Hz with exact states; returns the last error.
 template <class S>
 core::Error<double> sail(ClosedLoop& world, core::ControllerState<S>& state, double until,
                          const Thrusting& leader_tau) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every state, request and set of conditions of the supervisor, as few as tell all of them apart.
+// Every state, request and set of conditions of the supervisor; equivalent conditions are varied
+// together.
 #pragma once
 
 #include <map>
@@ -9,8 +10,8 @@
 
 namespace flotilla::core {
 
-/// Conditions that no row tells apart, found from the table itself: what holds of one that is not
-/// met holds of any of them.
+/// Classes of equivalent conditions, found from the table itself: no row distinguishes the
+/// conditions of a class, so one that is not met stands for any of them.
 inline std::vector<Conditions> classes() {
   std::map<std::vector<bool>, Conditions> found;
   for (unsigned bit = 0; bit < kConditionCount; ++bit) {
@@ -43,8 +44,8 @@ inline std::vector<Conditions> every_set() {
   return out;
 }
 
-/// Whether the operator's choices can lead to that reaction: to nothing where nothing is lost, and
-/// to something where something is.
+/// Whether the operator's choices can lead to that reaction: to none if nothing is lost, and
+/// otherwise to one of the possible reactions.
 inline bool is_possible(State state, Conditions met, Reaction reaction) {
   const auto lacks = [&](Conditions needed) { return (met & needed) != needed; };
   const bool behind = state == State::kFormation || state == State::kCoast;
@@ -61,7 +62,7 @@ inline bool is_possible(State state, Conditions met, Reaction reaction) {
   return true;
 }
 
-/// Calls f(state, request, conditions, reaction) for all there are.
+/// Calls f(state, request, conditions, reaction) for every situation.
 template <class F>
 void for_every_situation(F f) {
   static const std::vector<Conditions> kSets = every_set();

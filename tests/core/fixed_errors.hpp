@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What fixed_exhaustive.cpp does alike of every function: the largest error, on every core, in a table.
+// The common part of fixed_exhaustive.cpp: finds each function's largest error on all cores, and
+// prints a table.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace flotilla::testing {
 constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
 constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
 
-/// Of what is rounded once, from the exact result; in LSB, with what the oracle itself rounds.
+/// Greatest error of a result that is rounded once, in LSB, including the oracle's own rounding.
 constexpr double kRoundedOnce = 0.50001;
 
 struct Worst {
@@ -34,7 +35,7 @@ struct Worst {
     lsb = std::abs(error_lsb);  // or NaN, which stays
     at = where;
   }
-  /// `exact` in LSB; the nearest end of the range is expected of what is beyond it.
+  /// `exact` in LSB; beyond the range, its nearest end is expected.
   void see(core::Q16 result, double exact, const std::array<std::int64_t, 3>& where) {
     see(result.raw() - std::clamp(exact, double{kMin}, double{kMax}), where);
   }
@@ -48,7 +49,7 @@ struct Worst {
   }
 };
 
-/// All of `chunks`, on every core; one line of progress.
+/// Runs all chunks on all cores; shows one line of progress.
 template <class Chunk>
 Worst over(const char* name, int chunks, Chunk chunk) {
   Worst worst;
@@ -70,7 +71,7 @@ Worst over(const char* name, int chunks, Chunk chunk) {
   return worst;
 }
 
-/// A line of the table; whether the error is below `bound`, in LSB.
+/// Prints a line of the table; returns whether the error is below `bound`, in LSB.
 inline bool report(const char* name, double bound, const Worst& worst) {
   std::printf("| %-7s | %10llu | %.5f | %g | %lld, %lld, %lld |%s\n", name,
               static_cast<unsigned long long>(worst.checked), worst.lsb, bound,

@@ -35,7 +35,7 @@ struct Function {
   double (*exact)(double);
   Mirror mirror = Mirror::kNone;
   double bound = 1;
-  /// Arguments beyond these, in LSB, give what these give.
+  /// Arguments beyond these, in LSB, give the same results as these.
   std::int64_t from = kMin, to = kMax;
 };
 
@@ -49,7 +49,7 @@ constexpr std::array<Function, 6> kFunctions{{
      Mirror::kNone, kRoundedOnce, 0},
 }};
 
-/// What `function` gives of `raw`, against the oracle.
+/// The result of `function` for `raw`, compared with the oracle.
 Q16 seen(Worst& worst, const Function& function, std::int64_t raw) {
   const auto ours = [&function](std::int64_t x) {
     return function.ours(Q16::of_raw(static_cast<std::int32_t>(x)));
@@ -81,7 +81,7 @@ Worst over_all(const Function& function) {
   });
 }
 
-/// Half of the pairs of any magnitude: uniform numbers are all large.
+/// Half of the pairs have any magnitude, because uniform numbers are nearly all large.
 struct Random {
   explicit Random(int seed) : engine(static_cast<std::uint64_t>(seed)) {}
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What Q16's functions are compared in, on a PC and on a microcontroller: the same arguments for them
-// and for the C library's float.
+// The arguments with which Q16's functions and the C library's float are compared, on a PC and on a
+// microcontroller.
 #pragma once
 
 #include <array>

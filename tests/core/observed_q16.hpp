@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A Q16 that notes on which line of the source which values meet, included by the compiler before
-// everything else (-include): the sources are as they are, the shipped Q16 knows nothing of it.
+// A Q16 that records the values on each line of the source. The compiler includes it before
+// everything else (-include), so the sources and the shipped Q16 stay unchanged.
 //
-// Of each line the largest magnitude of any operand or result of Q16's operations.
+// Records, for each line, the largest magnitude of any operand or result of Q16's operations.
 #pragma once
 
 #if __has_include("core/scalar/fixed.hpp")

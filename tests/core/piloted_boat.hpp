@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat as the product sails it: what it observes of itself and of the water, and the law.
+// A boat under the product's law: its observer of motion and current, and the law.
 #pragma once
 
 #include <algorithm>
@@ -62,14 +62,14 @@ struct PilotedBoat {
     return in;
   }
 
-  /// The fix that comes now, and how old it is, s.
+  /// The fix that arrives now, and its age, s.
   std::pair<Sighting, double> fix(double h) {
     past.push_back(sighting_of(hull));
     const std::size_t back = std::min(static_cast<std::size_t>(late), past.size() - 1);
     return {past[past.size() - 1 - back], h * static_cast<double>(back)};
   }
 
-  /// A fix each tick of h seconds, then the law, then the way that its thrust takes the hull.
+  /// One tick of h seconds: a fix, then the law, then the hull's motion under its thrust.
   core::ControllerOutput<S> tick(const ProductParams<S>& params, const Sighting& leader, double h) {
     const core::Vessel<S>& vessel = params.law.vessel;
     const auto [own, age] = fix(h);
@@ -95,7 +95,7 @@ struct PilotedBoat {
   }
 };
 
-/// A leader's whole voyage, a sighting each h seconds.
+/// A leader's whole voyage, one sighting every h seconds.
 inline std::vector<Sighting> voyage(const Thrusting& thrust, double h, double seconds) {
   std::vector<Sighting> out;
   Hull leader;

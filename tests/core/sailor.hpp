@@ -17,7 +17,8 @@ using core::Vec2;
 
 constexpr double kMin = 1.5;
 
-/// A boat of the product behind a leader, among others; knows them exactly.
+/// A boat under the product's law behind a leader, among other vessels whose motion it knows
+/// exactly.
 struct Sailor {
   ControllerParams<double> law = products_law<double>().law;
   ControllerState<double> state{};

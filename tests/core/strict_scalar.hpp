@@ -32,7 +32,7 @@ class Strict {
     seen.saw_nan = seen.saw_nan || std::isnan(value_);
   }
 
-  /// For the test that looks at it, never for core.
+  /// For tests, never for core.
   double value() const { return value_; }
 
   friend Strict operator-(Strict a) { return Strict(-a.value_); }

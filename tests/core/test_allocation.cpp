@@ -101,7 +101,8 @@ TEST_CASE_TEMPLATE(
     const double F = double(p.F), R = double(p.R), all = 2 * (F + R);
     const Tau<S> tau{S(random(-1, 1) * all), S(random(-1, 1) * double(p.a) * all)};
     const Allocation<S> out = allocate(p, tau);
-    // A turn drives no boat ahead faster than it asks, nor takes more than half of its brakes.
+    // A turn never drives a boat ahead with more surge than commanded, nor uses more than half of
+    // the reverse thrust.
     CHECK(double(out.given.X) <= std::max(double(tau.X), -R) + 1e-3);
     const double D_least = std::min(std::abs(double(tau.N)) / (2 * double(p.a)), R / 2);
     CHECK(std::abs(double(out.given.N)) >= 2 * double(p.a) * D_least - 1e-2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Boats off a slot that makes no way: they turn to it, sail there, and turn back.
+// Boats that are off a slot at rest: they turn to it, sail there, and turn back.
 #include <algorithm>
 #include <vector>
 
@@ -15,11 +15,11 @@ using testing::Sighting;
 
 constexpr double kH = 0.02;
 
-/// Of a boat's time behind a leader at rest that heads north; the last third is `late`.
+/// A boat's time behind a leader at rest that heads north; `late`: in the last third.
 struct Stay {
   double off = 0, late_off = 0;
   double psi = 0;
-  double late_swing = 0;  ///< from its least to its greatest heading
+  double late_swing = 0;  ///< difference of the greatest and the least heading
   int late_starts = 0;    ///< of an approach
   bool started = false;
 };
@@ -173,7 +173,7 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
     const double distance = std::hypot(in.separation_n.x, in.separation_n.y);
     const double nearer = std::min(1.0, distance);  // within Δ less of it is foreseen
     CHECK(std::abs(nearer * slope - now.theta_dot) < 1e-3 * (1 + std::abs(slope)));
-    // Whichever end goes first, the boat lies along the same line.
+    // Bow first or stern first, the boat lies along the same line.
     CHECK(std::abs(std::sin(angle(0, true).theta - now.theta)) < 1e-9);
     CHECK(std::abs(now.theta) < testing::kPi / 2 + 0.41);
   }

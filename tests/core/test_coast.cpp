@@ -18,7 +18,7 @@ Motion<S> motion(double psi, double u, double v, double r) {
   return m;
 }
 
-/// Carried on for `seconds` in steps of h.
+/// Dead-reckons for `seconds` in steps of h.
 template <class S>
 CoastState<S> coasted(const Motion<S>& from, double T, double seconds, double h) {
   CoastState<S> state = coast_start(from);
@@ -65,7 +65,7 @@ TEST_CASE("the leader's acceleration is the slope of its velocity, and nothing o
     coast_forward(2.0, state, 0.01);
     const Nu<double>& nu = state.leader.nu;
     const Nu<double>& nu_dot = state.leader.nu_dot;
-    // The slope of the step is that of its middle.
+    // The slope over a step is that at its middle.
     if (k < 199) CHECK(std::abs((nu.u - before.u) / 0.01 - nu_dot.u) < 0.00201);
     if (k < 199) CHECK(std::abs((nu.r - before.r) / 0.01 - nu_dot.r) < 0.00201);
     if (k >= 200) CHECK((nu.u == 0 && nu.r == 0 && nu_dot.u == 0 && nu_dot.r == 0));
@@ -96,7 +96,7 @@ TEST_CASE_TEMPLATE("no command is greater than the limit, and within it none is 
       CHECK(given.port == approx(asked.port));
       CHECK(given.stbd == approx(asked.stbd));
     }
-    // What turns the boat comes first, and neither surge nor turn is reversed.
+    // Yaw has priority, and neither surge nor turn is reversed.
     const S d = asked.port - asked.stbd, m = asked.port + asked.stbd;
     const S d_given = given.port - given.stbd, m_given = given.port + given.stbd;
     CHECK(abs(d_given - clamp(d, S(-2) * most, S(2) * most)) < S(1e-6));

@@ -9,7 +9,7 @@ namespace {
 
 using testing::Random;
 
-/// All that the paper's law says, in this order.
+/// All outputs of the paper's law, in this order.
 template <class S>
 using Said = std::array<S, 22>;
 

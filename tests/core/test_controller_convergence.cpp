@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The product's default law behind leaders of all kinds, from anywhere.
+// The product's default law behind leaders of all kinds, from any start.
 #include "core/piloted_boat.hpp"
 
 namespace flotilla::core {
@@ -35,7 +35,8 @@ double distance(const testing::Hull& hull, const Sighting& leader, const Sea& se
   return std::hypot(hull.q[0] - leader.place.x - d.x, hull.q[1] - leader.place.y - d.y);
 }
 
-/// Boats that are not within 0.05 m of their slot at the end; `watch` sees each tick of each.
+/// Number of boats that are not within 0.05 m of their slot at the end; `watch` is called in each
+/// tick of each boat.
 template <class S, class Watch>
 int astray(std::uint32_t seed, int boats, const Sea& sea, Watch watch) {
   Random random(seed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Each extension can be switched off alone: the others go on as if it were not there.
+// Each extension can be switched off alone; the others work as if it did not exist.
 #include "core/piloted_boat.hpp"
 
 namespace flotilla::core {
@@ -12,7 +12,7 @@ constexpr std::uint32_t kSeed = 95;
 
 enum class Extension { kNone, kSteeredSlot, kLineOfSight, kLimits, kCurrent, kUnknown };
 
-/// The slot of the paper; its pace is that of any slot.
+/// The slot of the paper, with the pace of the extended slot.
 template <class S>
 Slot<S> paper_slot(const ControllerParams<S>& params, SlotState<S>& state,
                    const ControllerInput<S>& in, S dt) {
@@ -21,7 +21,7 @@ Slot<S> paper_slot(const ControllerParams<S>& params, SlotState<S>& state,
   return slot;
 }
 
-/// One step of the law from its pieces, one of them left out.
+/// One step of the law from its parts, without one of them.
 template <class S>
 ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& params,
                                  ControllerState<S>& state, const ControllerInput<S>& in, S dt) {
@@ -94,7 +94,7 @@ bool same(const ControllerOutput<S>& a, const ControllerOutput<S>& b) {
          same_bits(a.allocation.thrust.stbd, b.allocation.thrust.stbd);
 }
 
-/// How many of all steps differ between the law with this extension at 0 and the law without it.
+/// Number of steps that differ between the law with this extension at 0 and the law without it.
 template <class S>
 int differences(Extension off, Extension left_out) {
   Random random(kSeed);
@@ -123,11 +123,11 @@ TEST_CASE_TEMPLATE("each extension at 0 is as if it had never been thought of", 
     INFO("extension ", static_cast<int>(e));
     CHECK(differences<S>(e, e) == 0);
     if (e == Extension::kNone) continue;
-    CHECK(differences<S>(Extension::kNone, e) > 1000);  // and it does something where it is on
+    CHECK(differences<S>(Extension::kNone, e) > 1000);  // when on, the extension has an effect
   }
 }
 
-/// What a boat that sails behind the S-curve, in a current, assumes at the end.
+/// The estimates, at the end, of a boat that sails behind the S-curve in a current.
 template <class S>
 struct Assumed {
   ControllerOutput<S> out{};

@@ -18,8 +18,8 @@ struct Moments {
   double rms = 0, swing = 0;  ///< of the yaw moment, N m; of the bow, rad
 };
 
-/// Behind a leader at rest, of which it hears 20 times a second with σ 0.02 m/s and 0.0035 rad/s, a
-/// boat lies `aside` from its slot.
+/// A boat lies `aside` from its slot behind a leader at rest, whose state arrives 20 times a second
+/// with σ 0.02 m/s and 0.0035 rad/s.
 template <class S>
 Moments beside_a_noisy_leader(double aside, std::uint32_t seed) {
   Random random(seed);
@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("the noise of a leader at rest is not worth a tenth of a newt
       const Moments seen = beside_a_noisy_leader<S>(aside, seed);
       CAPTURE(seen.swing);
       CHECK(seen.rms < 0.1);
-      CHECK(seen.rms > 1e-3);  // it is heard
+      CHECK(seen.rms > 1e-3);  // the noise has an effect
       CHECK(seen.swing < 0.03);
     }
   }
@@ -102,7 +102,7 @@ TEST_CASE_TEMPLATE("a leader faster than LAW_U_MAX is followed at LAW_U_MAX, and
       REQUIRE(double(out.desired.nu_star.u) <= 1.5);
     }
     INFO("from ", behind, " m behind, at the end ", off, " m");
-    CHECK(off < 7);  // on its circle of 11 m it is never left behind
+    CHECK(off < 7);  // on its circle of 11 m it never falls behind
     CHECK(double(out.too_fast.u) == doctest::Approx(leader.back().nu.u).epsilon(0.01));
     CHECK(double(out.too_fast.r) == 0);
   }
@@ -162,7 +162,8 @@ TEST_CASE_TEMPLATE("nothing that a boat meets makes it ask for more than its lim
   CHECK(std::min({yields, approaches, runs}) > 500);
 }
 
-/// Off the track of a leader at 0.4 m/s, with a force from astern; how far off at the end.
+/// A boat off the track of a leader at 0.4 m/s, with a force from astern; its distance from the
+/// track at the end.
 template <class S>
 double off_before_the_wind(double push_N, double aside) {
   const auto params = testing::products_law<S>();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The clearance against an oracle that knows no formula of it: the boundary as a row of points, and
-// whether a place is inside by the sum of the angles under which it sees the edges.
+// The clearance compared with an oracle without its formulas. The oracle takes the boundary as a
+// row of points, and sums the angles under which a place sees the edges to decide whether it is
+// inside.
 #include <algorithm>
 #include <cmath>
 #include <vector>

@@ -15,7 +15,7 @@ struct Place {
   double x = 0, y = 0, psi = 0;
 };
 
-/// Where a root is that sails so, by small steps, `to` seconds after the future's time.
+/// Place of a root on this future `to` seconds after the future's time, by small steps.
 Place sailed(const Future<double>& future, double psi, double from, double to) {
   constexpr int kSteps = 20000;
   Place at{0, 0, psi};

@@ -13,7 +13,7 @@ using testing::Random;
 
 constexpr std::uint32_t kSeed = 81;
 
-/// Where the water stands still and no force is unknown; U is held where it is given.
+/// In still water without unknown forces; U is held at the given value.
 template <class S>
 LineOfSight<S> sight_of(S Delta, const ControllerInput<S>& in, const Slot<S>& slot, S U) {
   return line_of_sight(LineOfSightParams<S>{Delta}, in.nu, slot, formation_error(in, slot), U);
@@ -24,13 +24,14 @@ LineOfSight<S> sight_of(S Delta, const ControllerInput<S>& in, const Slot<S>& sl
   return sight_of(Delta, in, slot, slot.pace);
 }
 
-/// A slot that goes as its leader, 9 m away at most.
+/// A slot with its leader's motion, at most 9 m away.
 template <class S>
 Slot<S> arbitrary_slot(const ControllerInput<S>& in, Random& random) {
   return slot_beside(in, Vec2<S>{S(random(-9, 9)), S(random(-9, 9))});
 }
 
-/// Behind its slot, which sails north at `speed`, and `aside` to starboard of its track.
+/// A boat behind its slot, which sails north at `speed`; the boat is `aside` to starboard of its
+/// track.
 ControllerInput<double> straight(double behind, double aside, double speed) {
   ControllerInput<double> in;
   in.separation_n = {-behind, aside};

@@ -10,7 +10,7 @@ namespace {
 using testing::approx;
 using testing::Random;
 
-/// Ahead 20 N a propeller, astern 8 N.
+/// One propeller gives 20 N ahead, 8 N astern.
 template <class S>
 AllocationParams<S> propellers() {
   return {S(0.25), S(20), S(8)};

@@ -99,7 +99,7 @@ TEST_CASE("a reference that is not older than nothing is the root itself") {
   CHECK(now.nu_dot.u == 0.1);
 }
 
-/// Largest |yaw rate that is foreseen| of a root whose yaw rate swings with amplitude 0.001: small
+/// Largest predicted |yaw rate| of a root whose yaw rate oscillates with amplitude 0.001, small
 /// enough that no limit acts.
 double gain(double omega, double age_s, double spacing_s) {
   TrackState<double> track;
@@ -126,7 +126,8 @@ TEST_CASE("what a maker hears is passed on with little gain at any frequency, th
   struct Bound {
     double age_s, gain, at_the_s_curve;
   };
-  // The paper's S-curve has 0.3 rad/s. No predictor stays at one: core/reference.hpp says why.
+  // The paper's S-curve has 0.3 rad/s. No predictor keeps a gain of one; core/reference.hpp
+  // explains why.
   for (const Bound& bound : {Bound{0, 1.2, 1.001}, Bound{0.3, 2.2, 1.005}, Bound{1, 5.5, 1.03}}) {
     double greatest = 0;
     for (double omega = 0.05; omega < 30; omega *= 1.15) {

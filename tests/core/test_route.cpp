@@ -87,7 +87,7 @@ TEST_CASE_TEMPLATE("a corner ends on the next leg with its course", S, float, do
   }
 }
 
-// CHECK, for each of many thousand moments: it takes longer than what it checks.
+// A CHECK for each of many thousand moments would take longer than the checked code.
 #define CHECK_EACH(condition)           \
   do {                                  \
     if (!(condition)) CHECK(condition); \
@@ -113,14 +113,14 @@ TEST_CASE_TEMPLATE("a square is sailed within its limits and passes each waypoin
       nearest = std::min(nearest, distance(route[i].place, s.north, s.east));
     CHECK(nearest <= route[i].reach + 0.002);
   }
-  // Nothing of the way is lost: the last place is the last waypoint.
+  // The vessel sails the whole way: the last place is the last waypoint.
   CHECK(distance(route.back().place, seen.back().north, seen.back().east) < 0.002);
-  // No jump of the place: no step is longer than the speed allows.
+  // The place does not jump: no step is longer than the speed allows.
   for (std::size_t k = 1; k < seen.size(); ++k) {
     CHECK_EACH(std::hypot(seen[k].north - seen[k - 1].north, seen[k].east - seen[k - 1].east) <
                0.0075);
   }
-  // It keeps its speed where it may.
+  // It keeps its speed where that is allowed.
   CHECK(seen.back().t < 1.12 * (40 / 0.5 + 30 / 0.7 + 40 / 0.5 + 30 / 0.5));
 }
 

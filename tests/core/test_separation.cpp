@@ -160,7 +160,7 @@ TEST_CASE("a boat without limits of speed and yaw rate yields as fast as its dis
   CHECK(intent_of(some, apart, slot, far).fastest == 0.9);
   CHECK(intent_of(some, apart, slot, far).turning == 0.4);
   CHECK(intent_of(some, apart, slot, near).straight_n.y == doctest::Approx(0.1));
-  // Where there is a limit no slot is faster.
+  // With a limit, the slot's speed does not raise U.
   const Vec2<double> fast = {3, 0};
   CHECK(intent_of(none, apart, fast, far).fastest == doctest::Approx(3.3));
   CHECK(intent_of(some, apart, fast, far).fastest == 0.9);
@@ -269,7 +269,7 @@ TEST_CASE("a choice that was clear is clear a moment later") {
   params.least = kMin;
   int clear = 0;
   for (int run = 0; run < 2000; ++run) {
-    // On its course already: nothing is left to turn, and its speed is reached.
+    // Already on its course: no turn remains, and its speed is reached.
     const double course = random.angle(), speed = random(0.2, 1.5), dt = 0.1;
     const Vec2<double> w = {speed * std::cos(course), speed * std::sin(course)};
     OtherVessel<double> other{

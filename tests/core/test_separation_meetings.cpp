@@ -24,7 +24,7 @@ TEST_CASE("in 200 chance meetings of two boats the one that yields keeps away, a
     const double bearing = random.angle(), psi = random.angle();
     const double c = std::cos(bearing), s = std::sin(bearing);
     for (const bool looks : {false, true}) {
-      // Its slot is on the other side of the first one's.
+      // The second boat's slot is on the far side of the first boat's.
       Sailor first({0, 0, 0, 0, 0, 0}), second({8 * c, 8 * s, psi, 0, 0, 0});
       double least = 1e9;
       for (int k = 0; k < 6000; ++k) {
@@ -55,7 +55,7 @@ struct Encounter {
   Vec2<double> there, v;
 };
 
-/// Least distance, and the boat's course in the vessel's way: did it cross ahead of its bow?
+/// Least distance, and whether the boat crossed ahead of the vessel's bow.
 struct Passing {
   double least = 1e9;
   bool ahead = false, arrived = false;

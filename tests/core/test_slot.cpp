@@ -24,7 +24,7 @@ bool all_finite(const Slot<S>& slot) {
          std::isfinite(slot.nu_dot.u + slot.nu_dot.v + slot.nu_dot.r);
 }
 
-/// After `seconds` in which nothing changes.
+/// The slot after `seconds` with constant input.
 template <class S>
 Slot<S> settled(const SlotParams<S>& params, const Vessel<S>& vessel, const ControllerInput<S>& in,
                 double seconds = 60) {
@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("the paper's slot lies beside its leader and goes exactly as 
     check_same(slot, params.d, in);
     const Slot<S> same =
         slot_forward(steered, testing::papers_vessel<S>(), steered_state, in, S(0.01));
-    CHECK(slot.pace == same.pace);  // only the course that it steers is another
+    CHECK(slot.pace == same.pace);  // only the course differs
   }
 }
 
@@ -120,7 +120,7 @@ TEST_CASE_TEMPLATE("around a circling leader the slot heads as a boat does on it
     const Vessel<S> vessel{S(m.m11), S(m.m22), S(m.m33), S(m.d11), S(m.d22), S(m.d33)};
     const Slot<S> slot = settled(slot_at<S>(ahead, aside, true, true), vessel, seen);
     INFO("w ", w_x, " ", w_y, ", m11/m22 ", m.m11 / m.m22, ", d22/m11 ", m.d22 / m.m11);
-    // ε takes a share of the turn, and v_w is that of the leader's axes, not of the slot's.
+    // ε reduces the turn a little, and v_w is in the leader's axes, not in the slot's.
     CHECK(std::abs(double(slot.psi) - heading) < 0.0025 / (w_x * w_x) + 0.03);
     CHECK(double(slot.pace) == doctest::Approx(w_x).epsilon(1e-3));
     CHECK(double(slot.nu.r) == doctest::Approx(r).epsilon(1e-3));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The slot of boats with hulls of all kinds: little damped in sway, heavier ahead than abeam.
+// The slot of boats with hulls of all kinds: with little damping in sway, heavier ahead than abeam.
 #include "core/closed_loop.hpp"
 #include "core/slot.hpp"
 
@@ -21,7 +21,7 @@ Vessel<S> cybership() {
   return {S(25.8), S(33.8), S(2.76), S(0.72), S(0.86), S(1.9)};
 }
 
-/// Behind a leader that goes straight on with a millimetre a second of sway.
+/// Behind a leader that sails straight on with 1 mm/s of sway.
 template <class S>
 double worst_turn_of_slot(const Vessel<S>& vessel, int seconds) {
   ControllerInput<S> in;
@@ -77,7 +77,8 @@ TEST_CASE_TEMPLATE("behind a leader with the paper's hull, slot and leader head 
   CHECK(worst < 1e-4);
 }
 
-/// A leader that changes course, and its speed by `swing`; its sway is that of its hull, without thrust abeam.
+/// A leader that changes its course, and its speed by `swing`; its hull determines its sway,
+/// without thrust abeam.
 struct Leader {
   Vessel<double> m{};
   double swing = 0;
@@ -95,7 +96,7 @@ struct Leader {
   }
 };
 
-/// ψ_S − ψ_L at worst over three minutes.
+/// Largest ψ_S − ψ_L over three minutes.
 template <class S>
 double worst_behind_its_like(const Vessel<double>& m, double swing) {
   Leader leader{m, swing};
@@ -125,10 +126,10 @@ TEST_CASE_TEMPLATE("hulls nearly as heavy ahead as abeam, hardly damped in sway,
     for (const double damping : {0.02, 0.1, 0.5, 5.0}) {
       INFO("m11/m22 ", ratio, ", d22/m22 ", damping);
       const Vessel<double> m{ratio, 1, 1, 1, damping, 1};
-      // Nothing but the step: sway takes the yaw rate of a step's end.
+      // The error of the step alone: sway uses the yaw rate at the step's end.
       CHECK(worst_behind_its_like<S>(m, 0) < 0.013);
-      // The smoothed speed lags behind one that changes, and sway that is hardly damped sums that
-      // up: the nearer the two inertias are, the more damping it takes.
+      // The smoothed speed lags behind a changing speed, and weakly damped sway accumulates that
+      // error: the nearer the two inertias are, the more damping is needed.
       if (damping > 0.05 || ratio < 0.75) CHECK(worst_behind_its_like<S>(m, 0.2) < 0.02);
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The slot of a leader that sails: its motion against the differences of its places.
+// The slot of a leader under way: its motion compared with the differences of its places.
 #include <vector>
 
 #include "core/closed_loop.hpp"
@@ -123,7 +123,7 @@ TEST_CASE("the slot's yaw rate is the slope of its heading") {
         fastest = std::max(fastest, std::abs(path[k].slot.nu.r));
       }
       CHECK(fastest > 0.3);
-      // The smoothed rates lag behind; the more it matters, the less way the slot makes.
+      // The smoothed rates lag behind, which matters more the slower the slot is.
       CHECK(worst < (turns ? 0.13 : 1e-3));
       CHECK(worst_slow < 0.6);
     }

@@ -20,14 +20,15 @@ S of(double x) {
   }
 }
 
-/// A boat that is told how far from its slot it is, tick by tick.
+/// A boat with a given distance from its slot in each tick.
 template <class S>
 struct Watch {
   StationParams<S> params{.D = S(5), .Delta = S(1), .r_max = S(0.8)};
   StationState<S> state{};
   StationInput<S> in{};
 
-  /// For so long; off(t): distance t seconds after its begin. The time until it is astray, or −1.
+  /// Passes `seconds`; off(t): distance t seconds after the start. Returns the time until the
+  /// station is lost, or −1.
   template <class Off>
   double pass(double seconds, Off off) {
     for (int k = 0; k < std::lround(seconds * 50); ++k) {
@@ -179,7 +180,7 @@ TEST_CASE_TEMPLATE("a boat that spins for two seconds is out of formation, in it
     for (const double r : {1.1, -1.1}) {
       Watch<S> w;
       w.stay(4, off_m);
-      w.in.r = S(0.9);  // beyond the limit by no margin
+      w.in.r = S(0.9);  // hardly beyond the limit
       CHECK(w.stay(10, off_m) == -1);
       w.in.r = of<S>(r);
       CHECK(w.stay(1.9, off_m) == -1);

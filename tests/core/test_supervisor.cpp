@@ -11,7 +11,7 @@
 namespace flotilla::core {
 namespace {
 
-/// What an operator reads of the boat, in words of his own; knows nothing of the table.
+/// The specification as an operator understands the boat; it is independent of the table.
 struct World {
   bool own, place, located, home, leader, station, plan, sound, alone, gcs, limits, clear, saved,
       sticks, centred, test, coasts;
@@ -130,7 +130,7 @@ Expected specified(State state, Request request, Conditions met, Reaction reacti
   if (state == State::kFault) return {state, false};
   if (state != State::kDisarmed) return when_armed_and_asked(state, request, met);
   if (request == Request::kHold) return {state, true};
-  // Whatever navigation, battery, fence and leader are: it can be driven home.
+  // The boat can be driven home regardless of navigation, battery, fence and leader.
   const bool fit = is.sound && is.alone && is.gcs && is.saved;
   if (request == Request::kArm && fit) return {State::kHold, true};
   return {state, false};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every history of the shipped table, searched state by state: a model of what ESCs, links, sea and
-// operator may do between two ticks, in any order and any number of things at once.
+// Every history of the shipped table, searched state by state. A model of ESCs, links, sea and
+// operator allows any number of events between two ticks, in any order.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 
 enum class Esc : unsigned { kOnline, kOffline, kDisobeys, kReboots };
 
-/// What surrounds the supervisor. A flag is set where something is wrong.
+/// The supervisor and its surroundings. A flag is set if something is wrong.
 struct Node {
   State state = State::kDisarmed;
   Esc esc = Esc::kOnline;
@@ -36,7 +36,7 @@ constexpr std::array<Conditions, 11> kTroubles{kOwnFresh | kOwnSteady,
                                                kParametersSaved | kSoleVessel | kGainsFit,
                                                kPlanReady | kOnStation,
                                                kHomeNear | kLocated};
-/// Of these: no reason not to arm, and not to drive by the sticks.
+/// The troubles that prevent neither arming nor driving by the sticks.
 constexpr unsigned kHarmless = 0b11'011'010'011;
 constexpr unsigned kSticks = 0b00'000'100'000, kUnsaved = 0b00'100'000'000;
 constexpr unsigned kLeaderAway = 0b00'000'000'010, kNoHome = 0b10'000'000'000;
@@ -72,7 +72,7 @@ void enter(Node& n, State state) {
   n.state = state;
 }
 
-/// The first half of a tick of the boat: what the conditions force.
+/// The first half of a tick of the boat: the automatic transitions.
 Node forced(Node n, const Choices& choices) {
   n.centred = !n.full || (n.centred && n.state == State::kManual);
   const Conditions met = conditions_of(n);
@@ -85,7 +85,7 @@ struct Tick {
   bool pushes = false;
 };
 
-/// The second half: what is asked, and a tick's time.
+/// The second half: the request, and the tick's time.
 Tick answered(Node n, Request request) {
   Node asked = n;
   if (request == Request::kTest && n.test == 0) asked.test = kTestTicks;
@@ -104,7 +104,7 @@ Tick tick_of(const Node& n, Request request, const Choices& choices) {
   return answered(forced(n, choices), request);
 }
 
-/// What may happen between two ticks, one thing at a time.
+/// The possible events between two ticks, one at a time.
 std::vector<Node> events_of(const Node& n) {
   std::vector<Node> out;
   for (std::size_t i = 0; i < kTroubles.size(); ++i) {
@@ -114,7 +114,7 @@ std::vector<Node> events_of(const Node& n) {
   out.push_back(n);
   out.back().full = !n.full;
   for (const Esc esc : {Esc::kOnline, Esc::kOffline, Esc::kDisobeys, Esc::kReboots}) {
-    // What reboots is silent for a while before it is back.
+    // An ESC that reboots is silent for a while before it is back.
     if (n.esc == Esc::kReboots && esc != Esc::kOffline) continue;
     out.push_back(n);
     out.back().esc = esc;
@@ -122,8 +122,8 @@ std::vector<Node> events_of(const Node& n) {
   return out;
 }
 
-/// Calls f(before, request, tick) for every tick of every history, from a boat that is switched on
-/// where all is well; the number of nodes.
+/// Calls f(before, request, tick) for every tick of every history of a boat that is switched on
+/// without troubles; returns the number of nodes.
 template <class F>
 std::size_t search(const Choices& choices, F f) {
   std::vector<bool> seen(std::size_t{1} << kCodeBits);
@@ -150,7 +150,7 @@ std::size_t search(const Choices& choices, F f) {
   return nodes;
 }
 
-/// Choices that differ in what they lead to; test_supervisor.cpp has all of their combinations.
+/// Choices with different effects; test_supervisor.cpp has all of their combinations.
 template <class F>
 void for_some_choices(F f) {
   using enum Reaction;
@@ -165,7 +165,7 @@ void for_some_choices(F f) {
   }
 }
 
-/// What must not be seen in any tick, a counter each.
+/// Counters of events that must not occur in any tick.
 struct Broken {
   int pushed_unarmed = 0, pushed_without_escs = 0, law_pushed_blind = 0, fault_left = 0;
   int armed_without_escs = 0, disarm_refused = 0, terminate_refused = 0, coast_too_long = 0;
@@ -286,7 +286,7 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
       kStops | in(kHold, kManual, kFormation, kAuto, kGuided, kLoiter, kReturn);
   CHECK(next[0] == (kStops | in(kHold)));
   CHECK(next[1] == (kDriven | in(kTest)));
-  CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are gone, then a test is asked for
+  CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are lost, then a test is requested
   CHECK(next[3] == (kDriven | in(kCoast, kTest)));
   CHECK(next[4] == (kDriven | in(kCoast, kTest)));
   CHECK(next[5] == (kDriven | in(kTest)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A hull that is not as its boat is told: its own model, of a 20 kg catamaran.
+// A hull that differs from its boat's model: its own model of a 20 kg catamaran.
 #pragma once
 
 #include <cmath>
@@ -10,10 +10,10 @@
 namespace flotilla::testing {
 
 struct UnlikeHull {
-  // told: inertia, linear damping, half the distance between the propellers
+  // The boat's model: inertia, linear damping, half the distance between the propellers.
   static constexpr double m11 = 22, m22 = 30, m33 = 4, d11 = 14, d22 = 40, d33 = 6, a = 0.3;
 
-  double drag = 1, yaw_damping = 1;  ///< factors of what is told
+  double drag = 1, yaw_damping = 1;  ///< factors relative to the model
   double balance = 0;                ///< share by which starboard is stronger, port weaker
   double wind_n = 0, wind_e = 0;     ///< forces that keep their direction over ground, N
   double wind_turns = 0;             ///< moment of that wind from abeam, N m
@@ -26,7 +26,7 @@ struct UnlikeHull {
 
   double normal() { return std::normal_distribution<double>()(random); }
 
-  /// Euler steps of a millisecond: the commanded wrench over 10 ms.
+  /// Applies the commanded wrench for 10 ms, in Euler steps of a millisecond.
   void step(const core::Tau<double>& told) {
     const double port = (1 - balance) * (told.X / 2 + told.N / (2 * a));
     const double stbd = (1 + balance) * (told.X / 2 - told.N / (2 * a));
@@ -49,13 +49,13 @@ struct UnlikeHull {
     t += 0.01;
   }
 
-  /// As its unit measures it.
+  /// The velocity as its navigation unit measures it.
   core::Nu<double> seen() {
     return {u + noise * normal(), v + noise * normal(), r + 0.2 * noise * normal()};
   }
 };
 
-/// By eye along an S-curve; turns: amplitude of the heading, rad. speed: m/s.
+/// Steers by hand along an S-curve; turns: amplitude of the heading, rad; speed: m/s.
 inline core::Tau<double> helm(const UnlikeHull& hull, double turns, double speed) {
   const double desired = turns * std::sin(0.15 * hull.t);
   return {14 * speed + 20 * (speed - hull.u), 12 * (desired - hull.psi) - 6 * hull.r};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A hull and what its observer makes of its fixes.
+// A hull, and its observer, which receives its fixes.
 #pragma once
 
 #include "core/piloted_boat.hpp"
@@ -11,14 +11,14 @@ struct Noise {
   double place = 0, heading = 0, speed = 0, yaw_rate = 0;
 };
 
-/// A hull and what its observer makes of it, with a fix each `spacing` seconds.
+/// A hull and its observer, with a fix every `spacing` seconds.
 template <class S>
 struct Watched {
   core::ObserverParams<S> params = products_law<S>().observer;
   Hull hull{{0, 0, 0.3, 0.58, 0, 0}};
   double spacing = 0.05;
   Noise noise{};
-  core::Tau<double> extra{};  ///< that nobody knows of
+  core::Tau<double> extra{};  ///< a force unknown to the observer
   double t = 0;
   Random random{77};
   core::Observer<S> state{};
@@ -35,7 +35,7 @@ struct Watched {
     return s;
   }
 
-  /// The observer takes what it is said.
+  /// The observer takes a fix.
   void take(const Sighting& s) {
     const core::Vec2<S>& moved = state.motion.moved_n;
     core::observer_correct(
@@ -48,7 +48,7 @@ struct Watched {
     anchor = s.place;
   }
 
-  /// To the next fix: `given` moves the hull, `told` is what the observer hears.
+  /// Advances to the next fix: `given` moves the hull, `told` is the wrench that the observer gets.
   void go(const core::Tau<double>& given, const core::Tau<double>& told) {
     for (double h = 0; h < spacing - 0.01 / 2; h += 0.01) {
       hull.advance({given.X + extra.X, given.N + extra.N}, 0.01);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Instructions of a call of Q16's functions and of newlib's float ones: means, without the call's own.
-// Prints a line each: q16.sin 46, float.sin 75, …
+// Mean instructions per call of Q16's functions and of newlib's float functions, without those of
+// the call itself. Prints a line each: q16.sin 46, float.sin 75, …
 #include <array>
 #include <charconv>
 #include <cstdint>

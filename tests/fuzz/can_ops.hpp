@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the fuzzer may say to a boat on its CAN bus.
+// The fuzzer's input to a boat's CAN bus.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ inline link::CanFrame any_frame(Stream& in) {
   return frame;
 }
 
-/// Splits as a node would and calls push(frame) for each.
+/// Splits a transfer as a node would, and calls push(frame) for each frame.
 template <class Push>
 void transfer(const link::Route& route, const link::DataType& type, std::uint8_t transfer_id,
               std::span<const std::uint8_t> payload, Push push) {
@@ -38,8 +38,8 @@ void message(std::uint8_t node, std::uint8_t transfer_id, const Message& m, Push
            std::span(payload).first(size), push);
 }
 
-/// A transfer of a type that the boat knows, its payload from the fuzzer; one frame of it may be
-/// lost, come twice, or be damaged.
+/// A transfer of a type that the boat knows, with the fuzzer's payload. One of its frames may be
+/// lost, repeated or damaged.
 template <class Push>
 void any_transfer(Stream& in, std::uint8_t own_node, Push push) {
   static constexpr std::array kTypes{

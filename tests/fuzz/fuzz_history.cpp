@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whole histories of a boat, as history.hpp tells them.
+// Whole histories of a boat; history.hpp explains them.
 #include <cstdio>
 #include <cstdlib>
 
@@ -41,7 +41,7 @@ constexpr std::array<std::uint16_t, 13> kItems{link::mav::kNavWaypoint,
                                                link::mav::kRallyPoint,
                                                20};
 
-/// Numbers that mean something somewhere.
+/// Numbers with a special meaning in some message.
 float any_param(Stream& in) {
   const std::uint8_t choice = in.byte();
   if (choice == 255) return in.number<float>();
@@ -181,7 +181,7 @@ void History<S>::ask(std::uint8_t what) {
       return talkers_->tell(Talkers<S>::kOperator, there, now_us_);
     }
     default:
-      // The host's word is on no wire: after noise there, nobody asks for the command.
+      // The host's report is on no wire: after noise there, no request for the action is visible.
       talkers_->bytes(std::array<std::uint8_t, 1>{}, false, now_us_, 0);
       boat_->disarm();
   }
@@ -273,7 +273,7 @@ void History<S>::tell(Talkers<S>& talkers, std::uint8_t who, const Vessel& vesse
   if (now_us_ >= second_due_us_) talkers.tell(who, vessel.origin, now_us_);
 }
 
-/// Of the boat's request for the time, by who hears it.
+/// The answer of a sender that hears the boat's TIMESYNC request.
 template <class S>
 void History<S>::answer_time(const link::Timesync& request) {
   const auto answer = [&](std::uint8_t who, const Vessel& vessel) {

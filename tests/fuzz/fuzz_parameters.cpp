@@ -22,7 +22,7 @@ namespace {
 
 using target::ParameterSource;
 
-/// A directory of this process alone, in memory where there is such a place.
+/// A directory for this process alone, in memory if possible.
 struct Directory {
   std::filesystem::path path;
   Directory() {
@@ -121,7 +121,7 @@ void node_ids(Stream& in) {
   {
     target::NodeTable table(path);
     while (!table.save(server)) continue;
-    // Its end waits for the disk.
+    // Its destructor waits for the disk.
   }
   target::NodeTable(path).load(again);
   require(server.table().size() == again.table().size(), "the table reads back as long");

@@ -18,7 +18,7 @@ constexpr std::int64_t kSlowest_ns = 100'000'000;
 
 thread_local bool guarded = false;  // libFuzzer has other threads
 
-/// At once, so that the stack shows who asked for memory.
+/// Aborts at once, so that the stack shows the caller that requested memory.
 void note_allocation(const volatile void*, std::size_t) {
   if (!std::exchange(guarded, false)) return;
   require(false, "the boat uses no heap after construction");

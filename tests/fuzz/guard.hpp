@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a fuzz target demands beside "no sanitizer complains".
+// Demands of a fuzz target in addition to "no sanitizer complains".
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@ namespace flotilla::fuzz {
 /// Ends the run, with that sentence, unless it holds.
 void require(bool holds, const char* sentence);
 
-/// Around one call into the boat, for which it demands: no heap, and a bounded time of this thread's
-/// own (a hundred times what the slowest call takes with all sanitizers).
+/// Guards one call into the boat. The call must use no heap, and only a bounded time of its own
+/// thread: a hundred times that of the slowest call with all sanitizers.
 class Guard {
  public:
   Guard();

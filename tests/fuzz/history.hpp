@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A boat among others that talk to it as its navigation unit, leader, operator and ESCs would, and
-// in between as nobody should: one op after the other from the fuzzer.
+// A boat among senders that act as its navigation unit, leader, operator and ESCs, and sometimes
+// send what nobody should: one op after another from the fuzzer.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace flotilla::fuzz {
 enum class Op : std::uint8_t {
   kSail,     ///< that many ticks + 1
   kStep,     ///< the time a tick takes from now on, one of kSteps_us
-  kTalk,     ///< who talks in every tick from now on, kTalk… bits
+  kTalk,     ///< the senders in every tick from now on, kTalk… bits
   kAsk,      ///< one of the requests that lead from state to state
   kSticks,   ///< x, r as int8 of 127, from now on
   kVessel,   ///< moves own or leader's vessel: place, heading, speeds, or its clock or way to tell
@@ -29,7 +29,7 @@ enum class Op : std::uint8_t {
   kParameter,  ///< any PARAM_SET
   kFrame,      ///< any CAN frame
   kTransfer,   ///< any DroneCAN transfer
-  kEsc,        ///< what the ESCs tell of themselves from now on
+  kEsc,        ///< the ESCs' reports from now on
   kHost,       ///< what the host reports
   kClock,      ///< the host's clock jumps, by int32 ms
   kRestart,    ///< a new process with the same parameters

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the fuzzer may say to a boat on its MAVLink links.
+// The fuzzer's input to a boat's MAVLink links.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace flotilla::fuzz {
 
-/// Everybody who talks to the boat: each has an address and a running number.
+/// All senders to the boat: each has an address and a sequence number.
 template <class S>
 class Talkers {
  public:
@@ -39,7 +39,7 @@ class Talkers {
   enum Who : std::uint8_t { kNavigation, kLeader, kOperator };
   static constexpr std::size_t kCount = 8;
 
-  /// Signed where the link has a key.
+  /// Signed if the link has a key.
   void tell(std::uint8_t who, const link::Message& message, std::int64_t now_us,
             std::size_t link = 0) {
     std::array<std::uint8_t, 300> out;
@@ -49,7 +49,7 @@ class Talkers {
   }
   void sign(bool yes) { signs_ = yes; }
 
-  /// Bytes as they are, or, where `whole`, with the right checksum of the frame that they begin with.
+  /// The bytes unchanged or, if `whole`, with the right checksum of the frame that they begin with.
   void bytes(std::span<const std::uint8_t> bytes, bool whole, std::int64_t now_us,
              std::size_t link) {
     std::array<std::uint8_t, 255> out;

@@ -11,7 +11,7 @@
 
 namespace flotilla::fuzz {
 
-/// What a tick may take, µs: a control period first; none, late ones, a long sleep.
+/// Durations of a tick, µs: a control period first; then zero, late ticks, a long sleep.
 inline constexpr std::array<std::int64_t, 8> kSteps_us{10'000,  1'000,   50'000,    0,
                                                        200'000, 490'000, 1'100'000, 7'000'000};
 

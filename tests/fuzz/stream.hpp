@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The fuzzer's bytes, read from the front: what is missing at the end is zero.
+// The fuzzer's bytes, read from the front; missing bytes at the end are zero.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ class Stream {
 
   bool empty() const { return bytes_.empty(); }
 
-  /// As many as there are.
+  /// As many bytes as remain.
   std::span<const std::uint8_t> take(std::size_t count) {
     const auto taken = bytes_.first(std::min(count, bytes_.size()));
     bytes_ = bytes_.subspan(taken.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A vessel as the fuzz histories sail it, well enough that a boat believes what it is told: surge
-// and yaw follow the thrust, sway is none. It tells its state as any navigation unit may.
+// The vessel of the fuzz histories, realistic enough for a boat to accept its states: surge and yaw
+// follow the thrust; there is no sway. It sends its state as any navigation unit may.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +15,11 @@ namespace flotilla::fuzz {
 
 struct Vessel {
   double north_m = 0, east_m = 0, psi = 0, u = 0, r = 0;
-  std::uint8_t source = 0;    ///< one of four ways to tell it
+  std::uint8_t source = 0;    ///< one of four kinds of state message
   std::int64_t clock_us = 0;  ///< its clock − ours
   link::GpsGlobalOrigin origin{410'000'000, 20'000'000, 0, 0};
 
-  /// Any dt; backward Euler keeps it bounded whatever the parameters are.
+  /// For any dt: backward Euler keeps it bounded with all parameters.
   void push(const app::Parameters& p, const core::Thrust<double>& thrust_N, double dt) {
     const double X = thrust_N.port + thrust_N.stbd;
     const double N = double{p.THR_ARM} * (thrust_N.port - thrust_N.stbd);
@@ -35,7 +35,7 @@ struct Vessel {
     psi = std::remainder(psi + dt * r, 6.283185307179586);
   }
 
-  /// Calls say(message) for each message that tells the state of now; never the same twice.
+  /// Calls say(message) for each message of the present state; successive states always differ.
   template <class Say>
   void tell(std::int64_t now_us, Say tell) const {
     const double noise = 1e-4 * static_cast<double>(now_us / 1000 % 37 - 18);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat of which every word is judged: whatever was done to it, no tick may break these rules.
+// A boat whose whole output is checked: no tick may break these rules, whatever the input was.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace flotilla::fuzz {
 
-/// Of all boats and all who sign here.
+/// The key of all boats and all senders that sign here.
 constexpr link::SigningKey kKey{7, 1, 2, 3, 250, 251, 252, 253};
 constexpr std::uint64_t kSigningClock = 40'000'000'000'000;
 
@@ -68,12 +68,12 @@ class WatchedBoat {
     boat_.limit_link(link, bytes_per_s);
   }
 
-  /// The last request for the time that it sent, taken once.
+  /// The last TIMESYNC request that the boat sent; returned once.
   std::optional<link::Timesync> take_time_request() {
     return std::exchange(time_request_, std::nullopt);
   }
 
-  /// What the ESCs are told.
+  /// Checks the commands to the ESCs.
   const link::RawCommand& tick(std::int64_t now_us) {
     const auto out = [&] {
       const Guard guard;
@@ -153,7 +153,8 @@ class WatchedBoat {
       require(size > 0, "only whole frames leave, with good checksums");
       const auto frame = bytes.first(size);
       bytes = bytes.subspan(size);
-      // Others' frames are handed on; after the boat took another name, which are is not known.
+      // Frames of other senders are forwarded. After the boat has changed its ids, they cannot be
+      // distinguished.
       const bool own = frame[0] == 0xFD && frame[5] == self.system && frame[6] == self.component;
       if (!own || self != self_) continue;
       require(unsound_number(frame) == nullptr, "no number that is not finite leaves");

@@ -24,7 +24,7 @@ struct Frame {
   std::uint8_t crc_extra;
 };
 
-/// Nothing unless a frame of the dialect begins here and is whole.
+/// Nothing unless a whole frame of the dialect begins here.
 std::optional<Frame> read(std::span<const std::uint8_t> b) {
   const auto header = link::read_header(b);
   const auto* entry = header ? link::mavlink_entry(header->id) : nullptr;
@@ -32,7 +32,7 @@ std::optional<Frame> read(std::span<const std::uint8_t> b) {
   return Frame{*header, entry->crc_extra};
 }
 
-/// NaN is what the protocol calls unknown there, or what an ESC said of itself.
+/// NaN means unknown in this field of the protocol, or was forwarded from an ESC's report.
 bool may_be_unknown(std::string_view field) {
   return field == "pose_covariance" || field == "velocity_covariance" || field == "voltage" ||
          field == "current";

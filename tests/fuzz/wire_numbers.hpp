@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// MAVLink frames as the generated tables describe them, whatever our decoder makes of them.
+// MAVLink frames by the generated tables, independent of our decoder.
 #pragma once
 
 #include <cstdint>

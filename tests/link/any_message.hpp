@@ -16,7 +16,7 @@ namespace flotilla::testing {
 using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kMessages = std::variant_size_v<link::Message>;  // the first is monostate
 
-/// As a boat gets it.
+/// The message as a boat receives it.
 inline link::Message as_read(const link::Message& message) {
   const auto read = [&](const auto& m) {
     if constexpr (requires { m.kIsRead; }) return m.kIsRead ? message : link::Message{};
@@ -45,7 +45,7 @@ struct AnyMessage {
     for (Number& x : numbers) fill(x);
   }
 
-  /// Of any length, up to one that leaves no room for a NUL.
+  /// A text of any length, up to one without room for a NUL.
   template <std::size_t N>
   void fill(link::Text<N>& text) {
     text = {};
@@ -91,7 +91,7 @@ inline Bytes frame_of(link::MavlinkEncoder& encoder, const link::Message& messag
   return out;
 }
 
-/// All that a decoder finds in these bytes, given at once.
+/// All messages that a decoder finds in these bytes, given at once.
 inline std::vector<link::Received> received_from(link::MavlinkDecoder& decoder,
                                                  std::span<const std::uint8_t> bytes,
                                                  link::Counters& counters) {

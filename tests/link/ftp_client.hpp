@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A client of MAVLink FTP that speaks the protocol by itself, and a server with files.
+// An independent client of MAVLink FTP, and a server with files.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ constexpr std::uint8_t kNone = 0, kTerminate = 1, kReset = 2, kList = 3, kOpen =
                        kCrc = 14, kBurst = 15, kAck = 128, kNak = 129;
 constexpr std::uint8_t kBadSize = 3, kBadSession = 4, kEnd = 6, kUnknown = 7, kNotFound = 10;
 
-/// The fields of a packet; the bytes as the protocol's page orders them.
+/// The fields of a packet; bytes in the order of the protocol's page.
 struct Fields {
   std::uint16_t seq = 0;
   std::uint8_t session = 0, opcode = 0, size = 0, asked = 0, complete = 0;

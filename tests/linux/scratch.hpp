@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A directory that is gone after the test, and whole files in it.
+// A directory that is removed after the test, and functions for whole files in it.
 #pragma once
 
 #include <doctest/doctest.h>

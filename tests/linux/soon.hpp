@@ -5,7 +5,7 @@
 
 namespace flotilla::target {
 
-/// Gives a thread time, until `done`; false after 10 s. What takes long is the thread's affair.
+/// Waits until `done`, to give another thread time; false after 10 s.
 template <class Done>
 bool soon(Done done) {
   for (int i = 0; i < 1000; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// qemu-user knows some socket options of Linux not, which a bus that is alone in its network can do
-// without: to those, preloaded, it says yes.
+// Preloaded under qemu-user, which lacks some of Linux's socket options: accepts them without
+// effect. A bus that is alone in its network does not need them.
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>

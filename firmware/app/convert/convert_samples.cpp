@@ -111,8 +111,8 @@ Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
   return {stamp_us, 0, 0, psi, S(0), S(0), heading.r_radps};
 }
 
-/// A vessel that reports itself at anchor, moored or aground rests up to 3 kn, as in ITU-R M.1371:
-/// a faster one has an outdated status.
+/// A vessel that reports itself at anchor, moored or aground counts as at rest up to 3 kn, as in
+/// ITU-R M.1371. Above that its status is outdated.
 bool rests(const link::AisVessel& m) {
   namespace mav = link::mav;
   constexpr int kStill_cmps = 30, kDrifts_cmps = 154;

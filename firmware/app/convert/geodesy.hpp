@@ -6,8 +6,8 @@
 //
 // A local position stands for the point of the sea straight below it in its plane (10 km out the
 // plane is 8 m above the sea), so both conversions are exact inverses. On a lake at height h a
-// metre is R/(R + h) of one at sea level; the earth's mean radius R is precise enough: 0.3 mm in 2
-// km at 500 m.
+// metre corresponds to R/(R + h) metres at sea level. The earth's mean radius R is precise enough:
+// 0.3 mm in 2 km at 500 m.
 #pragma once
 
 #include <cstdint>

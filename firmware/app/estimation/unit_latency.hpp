@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How late the own navigation unit is, if no TIMESYNC bounds its clock.
+// Latency of the own navigation unit, if no TIMESYNC bounds its clock.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace flotilla::app {
 
-/// Estimates the latency beyond the named one and compensates for it slowly. In float for every law:
-/// products of its variances are below Q16's resolution.
+/// Estimates the latency beyond the configured one and compensates for it slowly. In float for
+/// every law: products of its variances are below Q16's resolution.
 class UnitLatency {
  public:
-  /// named_s: NAV_LAG_S, if it names one; a change of it discards the estimate.
+  /// named_s: NAV_LAG_S, if it is set; a change of it discards the estimate.
   void configure(const core::LatencyParams<float>& params, float yaw_inertia_kgm2,
                  std::optional<float> named_s);
 
@@ -35,13 +35,13 @@ class UnitLatency {
   /// The boat was disarmed: discards the moments given.
   void restart() { state_ = {}; }
 
-  /// Latency that is compensated, with the named one; nothing while none is known.
+  /// Compensated latency, including the configured one; nothing while none is known.
   std::optional<std::int64_t> lag_us() const { return lag_us_; }
 
-  /// Latency that is estimated, beyond the named one.
+  /// Estimated latency beyond the configured one.
   std::optional<float> found_s() const { return found_s_; }
 
-  /// Latency that is not compensated: assumed while none was estimated.
+  /// Latency that is not compensated; assumed until one is estimated.
   float uncompensated_s() const { return uncompensated_s_; }
 
   /// All of the latency can be compensated.

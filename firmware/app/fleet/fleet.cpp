@@ -51,8 +51,8 @@ bool is_of(const FleetTable& table, std::uint8_t system) {
   return table.rank_of(system).has_value();
 }
 
-/// Whether the boat and the members that it hears are more than half of the table. A smaller part
-/// may be cut off from one that still sails the plan, so it waits instead of sailing the same line.
+/// Whether the boat and the members that it hears are a majority of the table. A minority may be
+/// cut off from boats that still sail the plan, so it waits instead of sailing the same line.
 bool is_most(const FleetTable& table, std::size_t own, std::span<const FleetPeer> peers) {
   std::size_t heard = 1;
   for (std::size_t rank = 0; rank < table.count; ++rank) {
@@ -127,7 +127,8 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
   }
 }
 
-/// Whether the table lists this boat, or a boat of the table that is held: another fleet's does not.
+/// Whether the table lists this boat, or a boat of the newest table. Another fleet's table lists
+/// neither.
 bool Fleet::concerns_us(const FleetTable& table) const {
   const bool knows_itself = system_ != 0;  // from the first tick on
   return !knows_itself || is_of(table, system_) ||
@@ -136,7 +137,8 @@ bool Fleet::concerns_us(const FleetTable& table) const {
          });
 }
 
-/// How long this boat leaves a request to boats that know more; nullopt: it never answers.
+/// How long this boat waits before it answers a request, because other boats may know more;
+/// nullopt: it never answers.
 std::optional<std::int64_t> Fleet::gives_in(const FleetTable& requested) const {
   const bool has_place = rank_in(ledger_.current(), system_).has_value();
   if (!has_place) return is_of(requested, system_) ? std::optional(kMembers_us) : std::nullopt;
@@ -221,8 +223,8 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   }
 }
 
-/// The rank counts in the sender's newest table. If this boat does not have that one, the last
-/// report stays.
+/// The rank refers to the sender's newest table. If this boat does not have that table, it keeps
+/// the last report.
 void Fleet::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon) const {
   const std::size_t told = beacon.flags >> kHears;
   if (told == 0) peer.hears = FleetTable::kMax;

@@ -44,14 +44,14 @@ enum class FleetOrder : std::uint8_t {
 
 /// Among members that report leading, the highest (epoch, rank) leads; the others yield. If there
 /// is none, the first fit member that can lead takes over, but only once the fleet is under way:
-/// after a member has led it. A boat that has stopped since, or was told to follow instead of
-/// leading, counts it as under way only when a member leads again. A mode that an operator sets is
-/// never overridden; a leader that its operator steers by MANUAL goes on leading. A failed member
-/// leaves the tree until the next table, or, if it failed before this one, until it is fit again:
-/// its followers attach to its leader. It may still follow.
+/// after a member has led it. If a boat has stopped since, or was ordered to follow instead of
+/// leading, the fleet counts as under way for it only when a member leads again. A mode that an
+/// operator sets is never overridden; a leader that its operator steers by MANUAL goes on leading.
+/// A failed member leaves the tree until the next table, or, if it failed before this one, until it
+/// is fit again: its followers attach to its leader. It may still follow.
 ///
-/// A leader that other members hear counts too, though this boat does not hear it: the boat then
-/// follows one of them that follows the leader itself, so that no circle can arise.
+/// A leader that other members hear also counts if this boat does not hear it. The boat then
+/// follows one of them that follows the leader itself, so that no cycle can form.
 class Succession {
  public:
   static constexpr std::size_t kNobody = FleetTable::kMax;

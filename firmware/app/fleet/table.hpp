@@ -48,7 +48,7 @@ struct FleetTable {
   std::optional<std::size_t> rank_of(std::uint8_t system) const;
 };
 
-/// The reason for which a table is refused.
+/// Why a table is refused.
 enum class TableFault : std::uint8_t {
   kNone,
   kEmpty,     ///< no members, or epoch 0

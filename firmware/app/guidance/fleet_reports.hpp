@@ -15,8 +15,8 @@ namespace flotilla::app {
 class FleetReports {
  public:
   /// wait_us: the longest wait for one boat. Time that the boat then spends in its slot permits a
-  /// further wait of the same length, so that a boat that falls out repeatedly cannot stop the
-  /// fleet for ever.
+  /// further wait of the same length, so that a boat that repeatedly leaves its slot cannot stop
+  /// the fleet endlessly.
   void configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us);
 
   void hear(const link::Received& received, std::int64_t now_us);

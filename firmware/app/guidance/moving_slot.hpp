@@ -12,7 +12,7 @@
 //
 // While the slot moves, k_x and k_ψ are doubled and the look-ahead is halved. The usual gains suit
 // noise and delay behind a slot that rests in the shape. With them a boat of 1.2 m turned about in
-// 7 s, was left behind by its slot, and closed up slowly.
+// 7 s, fell behind its slot, and closed up slowly.
 //
 // Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat turns
 // to V_s: a boat that turned only with its slot would fall behind.

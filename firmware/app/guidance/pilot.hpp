@@ -108,8 +108,8 @@ class Pilot {
                                   S dt);
   const PlanVessel<S>& plan_vessel() const { return plan_vessel_; }
 
-  /// Whether the boat under the law keeps its slot, and is in it, since FORMATION was entered or
-  /// the slot or leader changed.
+  /// Whether the boat under the law keeps its slot, and whether it is in its slot. Both start anew
+  /// when the boat enters FORMATION, or when its slot or leader changes.
   core::StationLoss station_loss() const { return follower_.station_loss(); }
   bool in_slot() const { return follower_.in_slot(); }
   S yaw_rate() const { return own_.motion().nu.r; }
@@ -144,7 +144,8 @@ class Pilot {
   /// Depth in the tree, to be sent; nullopt if FS_SEP_M is 0.
   std::optional<double> depth() const;
 
-  /// The reference for followers. `followed`: FORMATION, or a COAST too short for them to leave it.
+  /// The reference for followers. `followed`: in FORMATION, or in a COAST still so short that
+  /// followers keep the reference.
   std::optional<link::FormationReference> reference(std::int64_t now_us, bool followed) const {
     return reference_.message(now_us, followed);
   }

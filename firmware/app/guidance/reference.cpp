@@ -245,7 +245,6 @@ void Reference<S>::shape(const VesselTrack<S>& leader, const core::TrackMessage<
   }
 }
 
-/// held: the members of Held.
 template <class S>
 void Reference<S>::hold(const auto&... held) {
   held_.emplace(held...);

@@ -37,9 +37,9 @@ class TreePlace {
   /// A message from the leader, with a motion valid at `valid_us`.
   void hear(const link::FormationReference& message, std::int64_t valid_us, std::int64_t now_us);
 
-  /// The branch that the leader sails in. nullopt if it announces none, or its reference is too old
-  /// for a boat behind it, or it does not follow, or we made the reference, or our slot turns with
-  /// a leader whose own slot turns: its heading differs from the root's.
+  /// The branch that the leader sails in. nullopt if the leader announces none, does not follow it,
+  /// or has a reference too old for a boat behind it; if we made the reference; or if our slot and
+  /// the leader's own both turn, because the leader's heading then differs from the root's.
   std::optional<Branch> branch(std::int64_t now_us) const;
 
   /// Our slot and our leader's, relative to that branch's root, or to the leader if there is no

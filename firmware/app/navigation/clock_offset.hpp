@@ -6,9 +6,10 @@
 // as the clocks may drift; their middle is exact if both directions have the same latency. An answer
 // that contradicts the stamps leaves the offset without a lower bound, as if there had been none.
 //
-// When the upper bound falls, either a message was quicker than all before it, or their clock was
-// set ahead or runs fast. So the lower bound falls with it until an answer confirms it, and no answer
-// counts longer than the 32 after it: their clock may have been set back and ahead again.
+// When the upper bound falls, either a message had less latency than all before it, or their clock
+// was set ahead or runs fast. So the lower bound falls by the same amount until an answer confirms
+// it. No answer counts for longer than the next 32, because their clock may have been set back and
+// ahead again.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@
 
 namespace flotilla::app {
 
-/// Whether a sender whose stamps have gone back began anew: it was started during the silence before
-/// them, or its clock was set back by more than a minute. Otherwise they are late.
+/// Whether a sender whose stamps have gone back has restarted: it was started during the silence
+/// before them, or its clock was set back by more than a minute. Otherwise the stamps are late.
 constexpr bool is_restart(std::int64_t stamp_us, std::int64_t last_us, std::int64_t silent_us) {
   return stamp_us <= silent_us || last_us - stamp_us > 60'000'000;
 }

@@ -8,7 +8,8 @@
 
 namespace flotilla::app {
 
-/// One of the component in use, one of another, which is chosen once its position arrives too.
+/// Keeps one heading of the component in use, and one of another component, which may replace it
+/// once its position arrives too.
 template <class S>
 class Headings {
  public:
@@ -27,7 +28,7 @@ class Headings {
     return heading.component == component ? &heading : nullptr;
   }
 
-  /// Joined with a position of the component that is in use from now on.
+  /// From now on the component of this heading is in use.
   void use(const Heading& heading) { in_use_ = heading; }
 
   enum class Verdict : std::uint8_t {
@@ -36,7 +37,7 @@ class Headings {
     kLeapt,  ///< implausible: possibly another vessel's clock, which would block later stamps
   };
 
-  /// silent: the vessel may have rebooted, so an old stamp is taken.
+  /// silent: the vessel may have rebooted, so an old stamp is accepted.
   Verdict take(convert::HeadingSample<S> sample, std::uint8_t component, bool in_use, bool silent,
                std::int64_t now_us) {
     Heading& last = in_use ? in_use_ : other_;

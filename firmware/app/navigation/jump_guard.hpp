@@ -14,7 +14,7 @@
 namespace flotilla::app {
 
 /// A new place is believed when five states in a row, over at least 1 s, agree with each other and
-/// none with the old place: if two vessels send alternately, the first is followed.
+/// none agrees with the old place. If two vessels send alternately, the first one is followed.
 template <class S>
 class JumpGuard {
  public:
@@ -102,7 +102,7 @@ class JumpGuard {
     if (core::innovation_of(limits, way, scatter_).share > S(1)) jumped_us_ = state.arrived_us;
   }
 
-  /// Notes that the vessel has jumped, and is believed where it is now.
+  /// Notes that the vessel has jumped and its new place is believed.
   void note_moved(std::int64_t now_us) {
     jumped_us_ = now_us;
     moved_ = true;

@@ -9,9 +9,9 @@
 
 namespace flotilla::app {
 
-/// One vessel's clock has one start time, and another after a reboot, or after 49 days, when its
-/// stamps wrap. The stamps of two vessels alternate between two start times. Start times less than
-/// 5 s apart count as one: one vessel's messages may differ by that much in delay.
+/// A vessel's clock has one start time until the vessel reboots, or until its stamps wrap after 49
+/// days. The stamps of two vessels alternate between two start times. Start times less than 5 s
+/// apart count as one, because the delay of one vessel's messages may vary by that much.
 class Namesake {
  public:
   void hear(std::uint32_t time_boot_ms, std::int64_t now_us) {

@@ -28,7 +28,7 @@ namespace flotilla::app {
 /// uses DEPTH for an echo sounder.
 class Neighbours {
  public:
-  /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
+  /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, no vessel is tracked.
   void configure(std::uint8_t own_system, std::uint8_t leader_system, float least_m);
 
   bool watches() const { return watches_; }
@@ -44,21 +44,21 @@ class Neighbours {
     if (may_tell(received)) take_news<S>(received, own, now_us, reach_m);
   }
 
-  /// There are vessels around.
+  /// At least one other vessel is known.
   bool any(std::int64_t now_us) const;
 
-  /// The vessels around, extrapolated to now, relative to `own` + `moved_n`.
+  /// The known vessels, extrapolated to now, relative to `own` + `moved_n`.
   template <class S>
   core::Traffic<S> traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                            std::int64_t now_us) const;
 
-  /// None of them is nearer than FS_SEP_M, and neither was any state refused as too old in the last 3 s:
-  /// another vessel with the same system id may have sent it.
+  /// No vessel is nearer than FS_SEP_M, and no state was refused as too old in the last 3 s: a
+  /// refused state may have come from another vessel with the same system id.
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
-  /// System id of a vessel whose messages, some or all, come more than three seconds late: too old
-  /// for keeping apart.
+  /// System id of a vessel some or all of whose messages arrive more than three seconds late, too
+  /// old to keep clear of it.
   std::optional<std::uint8_t> late(std::int64_t now_us) const {
     return now_us - late_us_ < kForgotten_us ? std::optional(late_) : std::nullopt;
   }

@@ -77,7 +77,7 @@ class Origins {
     return sample.at && anchored_ ? convert::in_plane(sample, position_.origin) : sample;
   }
 
-  /// Positions count from an origin that suits this sample from now on.
+  /// From now on positions count from an origin that suits this sample.
   template <class S>
   void anchor(const convert::Sample<S>& sample, std::uint8_t component) {
     anchored_ = sample.at.has_value();

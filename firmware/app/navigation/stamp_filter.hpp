@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Filters one vessel's states by their stamps: repeated, late, or of a clock that was restarted.
+// Filters one vessel's states by their stamps: repeated, late, or from a restarted clock.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ class StampFilter {
     kRestarted,  ///< not newer, but old stamps advance, as only those of a restarted clock can
   };
 
-  /// one_link: no state can be overtaken on another link, so stamps that go back and advance from
-  /// there are of a clock that was set back, or restarted.
+  /// one_link: no state can be overtaken on another link, so stamps that go back and then advance
+  /// come from a clock that was set back or restarted.
   Verdict judge(std::int64_t stamp_us, std::int64_t now_us, bool one_link = false) const {
     if (!last_us_) return Verdict::kNext;
     if (stamp_us <= *last_us_) {

@@ -14,10 +14,11 @@ namespace flotilla::app {
 /// The most precise first.
 enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGlobalPosition };
 
-/// The lowest component that sends whole states wins; another one once it is silent. Of its sources
-/// the most precise one that is received wins; a local one without a known origin ranks last. The
-/// one in use is replaced after `patience_us` of silence, or by a better one received five times in
-/// a row. Each has its own clock: the stamps of two need not count from the same instant.
+/// Uses the component with the lowest id that sends whole states, and another one once that is
+/// silent. Of the component's sources it uses the most precise one received; a local source without
+/// a known origin ranks last. The source in use is replaced after `patience_us` of silence, or by a
+/// better one received five times in a row. Each source has its own clock, because the stamps of
+/// two sources need not count from the same instant.
 class StateSources {
  public:
   explicit StateSources(std::int64_t patience_us) : patience_us_(patience_us) {}

@@ -253,8 +253,9 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   } else if (stamp == Stamp::kWrapped) {
     rebooted(stamp_us);
   }
-  // The clock of a unit with one link was set back, unless TIMESYNC contradicts. The states of
-  // another vessel may have been overtaken on a faster link that is silent now.
+  // The clock of a unit with one link was set back, unless TIMESYNC contradicts that. Other vessels
+  // are not judged like this: their states may have been overtaken on a faster link that is now
+  // silent.
   if (identity_.keeps && stamps_.regularly_late() && !bounded()) sources_.reset_clock();
   const bool moves = reframed_ && !state.sample.at;  // an anchor stays
   if (far || moves || !origins_.is_of_kind(state.sample)) {

@@ -60,7 +60,7 @@ class VesselTrack {
   bool is_from_unit(link::Address from) const {
     return mine(from) && from.component == component();
   }
-  /// Changes whenever the latency of the states may have changed unseen.
+  /// Changes whenever the latency of the states may have changed unnoticed.
   std::uint8_t clock_resets() const { return sources_.clock_resets(); }
   bool silent(std::int64_t now_us) const { return stamps_.silent(now_us); }
 

@@ -105,8 +105,8 @@ DecodedCommand set_standard_mode(const Command& c) {
   return {mav::kFailed};
 }
 
-/// Heading and radius are not for boats, and are ignored. COMMAND_LONG is refused: its degrees are
-/// floats, which are metres off.
+/// Heading and radius do not apply to boats and are ignored. COMMAND_LONG is refused: its degrees
+/// are floats, with errors of metres.
 DecodedCommand reposition(const Command& c) {
   constexpr double kChangesMode = 1;
   if (!c.frame) return {mav::kCommandIntOnly};

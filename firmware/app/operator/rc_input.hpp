@@ -19,8 +19,8 @@ class RcInput {
   /// that is needed is missing or has no valid pulse.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
             core::State state, std::int64_t now_us);
-  /// The receiver's health, by the unit that it is connected to: one that has lost its transmitter
-  /// may repeat its last pulses for ever. A unit without a receiver changes nothing.
+  /// Notes the receiver's health, as reported by the unit it is connected to: a receiver that has
+  /// lost its transmitter may repeat its last pulses endlessly. Ignores units without a receiver.
   void judge(const link::SysStatus& status);
   bool is_lost() const { return lost_; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What operators and scripts want of a boat that sails alone: a target, velocities, a pause.
+// Orders of operators and scripts to a boat that sails alone: a target, velocities, a pause.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,7 @@ class SailingOrders {
   void pause(bool paused) { paused_ = paused; }
   bool is_paused() const { return paused_; }
 
-  /// The boat has entered another state: neither pause nor velocities hold there.
+  /// The boat has entered another state: pause and velocities do not apply there.
   void enter_state() {
     paused_ = false;
     drive_.reset();

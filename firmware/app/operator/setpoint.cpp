@@ -24,7 +24,7 @@ struct Request {
 
 bool has(const Request& request, unsigned fields) { return (request.ignored & fields) == 0; }
 
-/// Whether both or none of two fields are used, and numbers if they are.
+/// Whether two fields are both unused, or both used and finite.
 bool is_whole(const Request& request, unsigned fields, double a, double b) {
   if ((request.ignored & fields) == fields) return true;
   return has(request, fields) && std::isfinite(a) && std::isfinite(b);

@@ -161,7 +161,7 @@ std::uint8_t Vehicle::answer_of_fence(DecodedCommand& asked) {
   return mav::kAccepted;
 }
 
-/// Judges a target before the mode changes. A boat in GUIDED goes to its new one.
+/// Judges a target before the mode changes. A boat already in GUIDED accepts a new target.
 void Vehicle::judge_target(DecodedCommand& asked) const {
   const auto refuse = [&](std::uint8_t result, std::string_view why) {
     asked = {result};
@@ -183,7 +183,7 @@ void Vehicle::judge_target(DecodedCommand& asked) const {
   }
 }
 
-/// Goes to an item, if the way there keeps the fence.
+/// Goes to an item if the way there respects the fence.
 std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
   if (supervisor_.state() == core::State::kAuto && missions_.fence().is_on()) {
     const auto here = place();

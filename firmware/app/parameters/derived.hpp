@@ -10,8 +10,8 @@
 //   ω_c = 0.1 rad/s max(1, min(T_v, 6/T_v))   T_v = m22 / d22: a hull that drifts on for long looks
 //                                          like a current, and the estimate should follow the drift
 //   Δ = min(100 m, L / 1.3, max(1 m, 2 u_max T_r))   look-ahead: the lateral loop T_r ÿ + ẏ + y u/Δ = 0
-//                                          has the damping 0.7 at u_max. A longer Δ only costs: an
-//                                          error of the course puts the boat Δ times it aside
+//                                          has the damping 0.7 at u_max. A longer Δ has a cost: an
+//                                          error of the course displaces the boat by Δ times it
 //   r_max = min(0.8 · 1.3 m / max(L, 1.3 m), 0.6 N_max / (d33 + d33u u_max / 2)) rad/s
 //
 //   unknown THR_LAG: 20 ms (√(m11 / 1.012 kg) − 1), within 0 … 0.5 s
@@ -31,7 +31,7 @@ namespace flotilla::app {
 /// The same parameters with each negative gain replaced by the derived one.
 Parameters derived(const Parameters& p);
 
-/// A gain whose loop has a time constant that does not fit another one.
+/// A gain that gives its loop a time constant that does not fit another loop's.
 struct GainFault {
   std::string_view gain;
   float value;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Checks whether a stored plan keeps the fence, a few legs per tick, because both may be long.
+// Checks whether a stored plan respects the fence, a few legs per tick, because both may be long.
 #pragma once
 
 #include <cstddef>

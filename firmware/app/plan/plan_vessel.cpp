@@ -48,7 +48,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   }
 }
 
-/// Reads a limited number of points: where jumps lead over one place again and again, the plan ends.
+/// Reads a limited number of points: a plan whose jumps repeat a single place ends there.
 template <class S>
 void PlanVessel<S>::fill(Plan plan) {
   std::size_t left = 2 * plan.size() + kWindow;
@@ -146,7 +146,7 @@ void PlanVessel<S>::look_ahead(S share, S dt) {
 
 template <class S>
 std::optional<typename PlanVessel<S>::Foreseen> PlanVessel<S>::take_future() {
-  constexpr int kSteadyTold = 3;  // of so many steady futures in a row, one is not told
+  constexpr int kSteadyTold = 3;  // of this many steady futures in a row, one is not sent
   if (!std::exchange(foresees_, false)) return std::nullopt;
   const auto steady = [](const auto& samples) {
     return std::ranges::all_of(samples, [&](S x) { return x == samples[0]; });

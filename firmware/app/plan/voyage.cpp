@@ -102,7 +102,7 @@ core::Thrust<S> HullVoyage<S>::slowed(S port, S stbd) const {
   return {gain_ * (both + apart), gain_ * (both - apart)};
 }
 
-/// Cuts off a step that cannot go on. A fence makes the room smaller.
+/// Cuts off a step that cannot continue. A fence in the way makes the room smaller.
 template <class S>
 void HullVoyage<S>::look(const Seen& seen) {
   if (S(1.5) * greatest_ < away_) return lose();

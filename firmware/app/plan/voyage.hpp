@@ -12,8 +12,8 @@
 //  χ_d, ψ    desired course, heading                                          rad
 //  s, d      surge and differential, shares of a propeller's greatest thrust  1
 //
-// The law takes no part, because it needs the numbers that the voyage measures. Between steps, too,
-// the boat returns to the centre by shares of its thrust if necessary.
+// The control law is not used, because it needs the numbers that the voyage measures. To return to
+// the centre between steps, the boat also uses shares of its thrust.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Finds the shortest way to a place that keeps the fence, over bends beside the fence's corners.
+// Finds the shortest way to a place that respects the fence, over bends beside the fence's corners.
 // Searches a few legs per tick, from the place back to the boat.
 //
 //   g(goal) = 0      g(a) = min over b seen from a of g(b) + |a − b|

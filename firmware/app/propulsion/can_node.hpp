@@ -40,7 +40,8 @@ class CanNode {
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
 
   /// Neither ESC drives its propeller while commanded to stop, nor has within the last second. A
-  /// windmilling propeller is given time to come to rest, or may turn on if its ESC draws no current.
+  /// windmilling propeller has time to come to rest, and may keep turning if its ESC draws no
+  /// current.
   bool escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const;
 
   /// The ESC's last status; nothing after 3 s of silence.

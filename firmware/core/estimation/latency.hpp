@@ -19,9 +19,9 @@
 //
 // Not in paper. Position, heading and velocity with the same latency are consistent with each
 // other; only the delay after the applied thrust reveals it. A constant moment, straight ahead or
-// at rest, reveals nothing. The law's response to noise excites enough; no turn is made for it.
-// Propeller lag counts as latency, and predicting over it does no harm. Each filter estimates γ and
-// b, so that a model error of one half does not look like latency.
+// at rest, reveals nothing. The law's response to noise gives enough excitation; the boat makes no
+// extra turns. Propeller lag counts as latency; predicting over it does no harm. Each filter
+// estimates γ and b, so that a model error of one half does not look like latency.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Makes the C++ of the messages in messages.txt, and the table of the dialect's.
+"""Generates the C++ structs of the messages in messages.txt, and the table of all messages.
 
 generate.py FOLDER: writes messages.hpp and table.inc there. pymavlink parses the dialect:
-flotilla.xml and what it includes, of the installed pymavlink.
+flotilla.xml, and the files that it includes from the installed pymavlink.
 """
 
 import contextlib
@@ -18,7 +18,7 @@ from pymavlink.generator import mavparse
 
 HERE = Path(__file__).parent
 WHEEL = Path(pymavlink.__file__).parent / "dialects" / "v20"
-# Extensions that upstream's common.xml has and the wheel's lacks.
+# Extension fields in upstream's common.xml that the wheel's lacks.
 NEWER = {
     "TIMESYNC": {"target_system": "uint8_t", "target_component": "uint8_t"},
     "MISSION_COUNT": {"opaque_id": "uint32_t"},
@@ -29,7 +29,7 @@ NEWER = {
         "rally_points_id": "uint32_t",
     },
 }
-NO_TARGET = 255  # an offset that no payload reaches
+NO_TARGET = 255  # an offset beyond any payload
 TARGET = ["target_system", "target_component"]
 
 
@@ -37,7 +37,7 @@ Place = tuple[int, str]  # offset in the payload, C++ expression
 
 
 class Member(NamedTuple):
-    """A member of a struct; `places`: where on the wire it, or each of its parts, is."""
+    """A member of a struct; `places`: its place on the wire, or that of each of its parts."""
 
     type: str
     name: str
@@ -57,7 +57,7 @@ class Message(NamedTuple):
 
 
 def dialect(path: Path = HERE / "flotilla.xml") -> dict[str, Any]:
-    """Every message of the dialect by name, as mavparse has it."""
+    """Every message of the dialect by name, as mavparse returns it."""
     with contextlib.redirect_stdout(io.StringIO()):  # it comments on enums
         xml = mavparse.MAVXML(str(path), mavparse.PROTOCOL_2_0)
     messages = {message.name: message for message in xml.message}
@@ -122,7 +122,7 @@ def _message(line: str, dialect: dict[str, Any]) -> Message:
 
 
 def listed(text: str, dialect: dict[str, Any]) -> list[Message]:
-    """The messages of a list; ValueError where a line is wrong."""
+    """The messages of a list; ValueError if a line is wrong."""
     lines = text.replace("\n ", " ").splitlines()
     return [_message(line, dialect) for line in lines if line.strip() and line[0] != "#"]
 
@@ -151,7 +151,7 @@ def _struct(m: Message) -> str:
 
 
 def messages_hpp(messages: list[Message]) -> str:
-    """The structs; each tells where its members are on the wire, and what else is sent."""
+    """The structs; each defines its members' places on the wire, and the constants it sends."""
     kinds = ", ".join(["std::monostate", *(m.struct for m in messages)])
     cases = "".join(
         f"    case {m.wire.id}:\n      return read.template operator()<{m.struct}>();\n"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Constant text compressed by byte pair encoding (P. Gage, 1994), to save flash: a byte value that
-// the text does not use stands for two others, which may stand for pairs themselves. Pages of equal
+// the text does not use stands for two others, which may themselves stand for pairs. Pages of equal
 // length are packed separately, so that reading from the middle is quick.
 #pragma once
 

@@ -4,9 +4,9 @@
 // signature = first 48 bits of SHA-256(key ‖ frame ‖ link id ‖ timestamp). A timestamp counts 10 µs
 // since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Unlike there, our own clock
 // alone judges timestamps once it is known, with a tolerance of a minute either way. In the source,
-// a received timestamp advances the receiver's own, so that one from the future shuts out every
-// sender with a correct clock; and a known stream may be of any age, so that messages recorded from
-// a jammed radio are obeyed hours later.
+// a received timestamp advances the receiver's own, so a timestamp from the future shuts out every
+// sender with a correct clock. Also, messages of a known stream may be of any age, so messages
+// recorded from a jammed radio are obeyed hours later.
 #pragma once
 
 #include <array>

@@ -17,8 +17,8 @@ namespace flotilla::target {
 /// does not.
 ///
 /// After a bus-off nothing is sent until the kernel has sent or dropped all our frames, so no new
-/// command queues behind old ones. The socket stays open: the kernel would keep a closed socket's
-/// frames and deliver them to a new one as another node's.
+/// command queues behind old ones. The socket stays open, because the kernel would keep a closed
+/// socket's frames and deliver them to a new socket as another node's.
 class SocketCanBus final : public CanBus {
  public:
   SocketCanBus(std::string interface, std::uint8_t node);
@@ -33,7 +33,7 @@ class SocketCanBus final : public CanBus {
 
  private:
   /// A recovery counts from the next maintain() on. Frames that the controller received before its
-  /// bus-off may arrive after the report of it, so a frame shows recovery only after the next
+  /// bus-off may arrive after the bus-off's report, so a frame proves recovery only after the next
   /// maintain().
   enum class Controller { kOn, kOff, kStillOff, kRecovered };
 

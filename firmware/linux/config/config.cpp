@@ -18,7 +18,7 @@ constexpr const char* kDescription =
 Every option is also a key of the configuration file (TOML, without the dashes); the command line
 wins. A list of links on the command line replaces the file's, a parameter replaces its namesake.)";
 
-// A flaw in the radio's or bus's decoder must not give an attacker the whole machine.
+// A flaw in the decoder of the radio or the bus must not give an attacker the whole machine.
 constexpr const char* kNotAsRoot =
     "does not run as root: use its systemd unit, firmware/linux/flotillad.service, or start "
     "it as another user (setpriv --reuid=USER --regid=GROUP --init-groups flotillad ...)";

@@ -6,8 +6,8 @@
 //                         microseconds since 1970, big endian, then the packet
 //   can-00001.log         candump -L: (1700000000.123456) can0 0704060A#FF7C0200C1
 //
-// A link has a log of its own: a sender counts its packets on each link, so that in a common log
-// readers would take the jumps between those counts for lost packets.
+// Each link has its own log, because a sender numbers its packets on each link separately: in a
+// common log readers would take the jumps between those numbers for lost packets.
 //
 // The control loop puts records into a ring and never waits; if the ring is full they are dropped
 // and counted. Every 100 ms the writer empties it into the files. kill -9 loses the records after

@@ -39,7 +39,8 @@ enum class FaultKind : std::uint8_t {
   kGcsSilent,
 };
 
-/// The part that fails. What fails in the world is not on a boat's wires: the caller of Fleet does it.
+/// The part that fails. Failures in the world are not on a boat's wires: Fleet's caller applies
+/// them.
 enum class FaultOwner : std::uint8_t { kUnit, kEscs, kBus, kRadio, kVessel, kWorld };
 constexpr std::array<std::string_view, 6> kOwnerNames{"navigation unit", "ESCs",   "bus",
                                                       "radio",           "vessel", "world"};

@@ -163,7 +163,7 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   watch.lap(Stage::kLinks);
 }
 
-/// The monitor knows what no boat can: by how much the clocks differ.
+/// Gives the monitor the differences between the clocks, which no boat can know.
 template <class S>
 void Fleet<S>::tell_clocks(Vessel& v, std::int64_t t_us) {
   const Station& s = v.station;

@@ -127,7 +127,7 @@ class Fleet {
     std::vector<std::uint32_t> inbox{}, outbox{};
     std::int64_t now_us = 0;                 // its clock at the tick
     std::int64_t jumped_us = 0;              // jump of its clock; the ESCs have their own
-    bool was_set = false;                    // its clock, or its unit's: stamps tell no truth
+    bool was_set = false;                    // its clock, or its unit's: stamps may be wrong
     std::vector<std::uint8_t> sent{};        // radio output of the last tick
     std::unique_ptr<VesselFaults> faults{};  // nullptr: none active
 

@@ -64,7 +64,7 @@ class NavigationUnit {
   struct Pilot {
     std::optional<double> throttle;
   };
-  /// What a unit sends since its first fault.
+  /// Extra output of a unit from its first fault on.
   struct Faulty {
     Rate fix_rate{5.0}, pilot_rate{20.0};
     std::optional<bool> fix;

@@ -28,19 +28,19 @@ class VesselFaults {
   bool has(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)]; }
   double value(FaultKind kind) const { return value_[static_cast<std::size_t>(kind)]; }
 
-  /// The unit that impersonates the vessel's.
+  /// The unit that sends under the ids of the vessel's unit.
   void set_impostor(NavigationUnit&& unit) { impostor_.emplace(std::move(unit)); }
 
   /// The second unit on the navigation link.
   void set_own_impostor(NavigationUnit&& unit) { own_impostor_.emplace(std::move(unit)); }
 
-  /// Appends what the second unit sends; measured() has the truth.
+  /// Appends the second unit's output; call measured() first, which stores the true state.
   void send_beside(std::int64_t now_us, Bytes& out);
 
   /// Appends the frames of other nodes on the bus.
   void put_on_bus(std::int64_t now_us, std::vector<link::CanFrame>& out);
 
-  /// The unit's measurement of the truth; valid until the next call.
+  /// The unit's measurement of the true state; valid until the next call.
   Sensed measured(const Sensed& truth);
 
   /// Offset of the unit's clock from the vessel's.

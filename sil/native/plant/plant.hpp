@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The moving bodies around the boats. Nothing of it is shared with the firmware's vessel model: a
-// mistake in one must not cancel in the other.
+// The moving bodies around the boats. They share no code with the firmware's vessel model, so that
+// a mistake in one cannot cancel in the other.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What navigation units measure. Shapes: sil/plant/sensors.py.
+// Measurements of navigation units. Shapes: sil/plant/sensors.py.
 #include "arrays.hpp"
 #include "plant.hpp"
 

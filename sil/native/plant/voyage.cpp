@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The boat that logs are compared with. Equations and sources: sil/identify/voyage_model.py.
+// The model boat that logs are compared with. Equations and sources: sil/identify/voyage_model.py.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -120,7 +120,7 @@ void sail_voyages(Array<4> states, Input<4> thrust, Input<2> terms, Input<3> sur
   const auto wanted = thrust.view();
   const auto term = terms.view();
   const auto around = surroundings.view();
-  std::vector<Boat> boats(c);  // of one stretch: along them lie the arrays
+  std::vector<Boat> boats(c);  // of one stretch: the arrays' last axis
   for (std::size_t i = 0; i < w; ++i) {
     for (std::size_t j = 0; j < c; ++j) {
       Boat& boat = boats[j];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What pushes the boats, added to w (R, N, 3) in their body axes. Equations, shapes and sources:
-// sil/plant/weather.py, wind.py and waves.py.
+// Environmental forces on the boats, added to w (R, N, 3) in their body axes. Equations, shapes and
+// sources: sil/plant/weather.py, wind.py and waves.py.
 #include <cmath>
 
 #include "arrays.hpp"

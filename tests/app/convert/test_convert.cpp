@@ -45,7 +45,7 @@ Quaternion from_euler(double roll, double pitch, double yaw) {
 /// Half a turn about the axis between north and east.
 const Quaternion kNedToEnu{0, std::sqrt(0.5), std::sqrt(0.5), 0};
 
-/// The truth, and how it is told.
+/// The true motion of a vessel; told() makes its message.
 struct Truth {
   double roll, pitch, yaw;
   Vector velocity_n;  ///< north-east-down
@@ -360,7 +360,7 @@ TEST_CASE_TEMPLATE("a leader's heading and way are turned from its north to ours
     const auto in = controller_input_of<S>(own, still, leader, moving);
     CHECK(double(in.psi) == doctest::Approx(0.3));
     CHECK(std::abs(double(in.psi_L) - (-1 + t.turn_rad)) < 1e-6);
-    // Where it would be, had it told that place itself.
+    // The leader's place, as if its last message had given the moved place.
     const auto there = separation<double>(own, {t.north_m + 200, t.east_m + 100, t.leader}).n;
     CHECK(std::abs(double(in.separation_n.x) - there.x) < 2e-3);
     CHECK(std::abs(double(in.separation_n.y) - there.y) < 2e-3);

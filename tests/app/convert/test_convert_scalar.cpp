@@ -28,7 +28,7 @@ TEST_CASE("a number of the wire becomes the nearest that Q16 has, ties to even, 
       REQUIRE(scalar<Q16>(static_cast<float>(x)) == q16_of(double{static_cast<float>(x)}));
     }
   }
-  for (int n = -1000; n <= 1000; ++n) {  // ties, and what is just beside them
+  for (int n = -1000; n <= 1000; ++n) {  // ties and their neighbours
     const double tie = (n + 0.5) * kLsb;
     for (const double x : {tie, std::nextafter(tie, 1e9), std::nextafter(tie, -1e9), n * kLsb}) {
       REQUIRE(q16_of(x).raw() == std::lrint(x * 65536));
@@ -85,8 +85,8 @@ class Exact {
   std::mt19937 random_;
 };
 
-/// Velocity that was turned by a heading: one LSB, and for each m/s one of the heading's sine and
-/// one of the heading, where that was rounded itself.
+/// Checks a velocity rotated by a heading. The tolerance is one LSB, for each m/s one LSB of the
+/// heading's sine and, if the heading itself was rounded, one LSB of the heading.
 void check_turned(double got, double expected, double speed, bool exact_heading) {
   REQUIRE(std::abs(got - expected) <= (1 + (exact_heading ? 1 : 2) * speed) * kLsb);
 }

@@ -37,7 +37,7 @@ TEST_CASE("the battery has the lower of two voltages and gives both currents") {
   CHECK(battery.current_battery == 750);
   const auto one = battery_of(std::nullopt, esc(11.1F, 2));
   CHECK(one.voltages[0] == 11'100);
-  CHECK(one.current_battery == -1);  // half of it would be no figure
+  CHECK(one.current_battery == -1);  // the current of one ESC alone would mislead
   const auto none = battery_of(std::nullopt, std::nullopt);
   CHECK(none.voltages[0] == UINT16_MAX);
   CHECK(none.current_battery == -1);
@@ -51,7 +51,7 @@ TEST_CASE("what no battery has is unknown: NaN, infinity, negative volts, a flow
   for (const float amperes : {NAN, INFINITY, -INFINITY, 1e38F, -1e38F, -1.0F}) {
     CHECK(battery_of(esc(12, amperes), std::nullopt).current_battery == -1);
   }
-  // never the numbers that mean unknown, or a negative one, by rounding
+  // Rounding never gives the number that means unknown, nor a negative number.
   constexpr std::uint32_t kSeed = 3;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -101,7 +101,7 @@ struct Scene {
   double boat_n, boat_e, psi, slot_n, slot_e, slot_psi;
 
   OwnState state() const {
-    // part of the way was made since the last position
+    // Part of the displacement happened after the last position.
     return own_state_of<double>({boat_n - 1.5, boat_e + 0.5}, {{1.5, -0.5}, psi, {}, {}});
   }
   core::Error<double> error() const {
@@ -125,7 +125,7 @@ TEST_CASE("a propeller's thrust is dead below THR_DEAD, of each direction's own 
   CHECK(is_dead(-0.2499, p));
   CHECK_FALSE(is_dead(-0.25, p));
   p.dead_N = 0;
-  CHECK_FALSE(is_dead(0, p));  // an idle test is nothing that a dead band would hide
+  CHECK_FALSE(is_dead(0, p));  // without a dead band there is nothing to report
 }
 
 TEST_CASE("bearing, distance and target point from the boat to its slot, whatever the heading") {
@@ -180,7 +180,7 @@ TEST_CASE("ODOMETRY is the same state: NED pose, heading as a quaternion, body v
     REQUIRE(m.vx == 1.5F);
     REQUIRE(m.vy == -0.2F);
     REQUIRE(m.yawspeed == 0.1F);
-    // and we ourselves would understand it
+    // A boat reads the same heading from it.
     const Reading reading = sample_of(m);
     REQUIRE(reading.sample);
     REQUIRE(std::abs(turn_between(reading.sample->psi_rad, psi)) < 1e-5);

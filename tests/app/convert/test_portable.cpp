@@ -30,7 +30,7 @@ struct Draw {
   double operator()(double limit) {
     return std::uniform_real_distribution<double>(-limit, limit)(random);
   }
-  /// Of any size between 2^−limit and 2^limit, and either sign.
+  /// A number of any size between 2^−limit and 2^limit, with either sign.
   double any(double limit) { return std::copysign(std::exp2((*this)(limit)), (*this)(1)); }
 };
 
@@ -111,7 +111,7 @@ TEST_CASE("sine and cosine are libm's, in every quadrant and after 150 000 turns
   }
   CHECK(sin_cos(0).sin == 0);
   CHECK(sin_cos(0).cos == 1);
-  // Of a small rest, as many digits.
+  // A small remainder has as many correct digits.
   const double half_turns = 1000 * kPi;
   CHECK(off_by(sin_cos(half_turns).sin, std::sin(Exact{half_turns})) < 1e-6);
 }

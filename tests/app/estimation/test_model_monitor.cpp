@@ -36,7 +36,7 @@ struct Boat {
   core::Impulse<float> given{};
   std::int64_t now_us = 0;
   std::vector<ModelMonitor::Finding> findings{};
-  float fastest = 0;  ///< step of THR_BALANCE
+  float fastest = 0;  ///< greatest step of THR_BALANCE
 
   explicit Boat(const UnlikeHull& boats, int apply = 0) : hull(boats) {
     p.LEARN_APPLY = static_cast<float>(apply);
@@ -48,7 +48,7 @@ struct Boat {
     for (int i = 0; i < std::lround(6000 * minutes); ++i) {
       now_us += 10'000;
       const core::Tau<double> tau = helm(hull, turns, 0.8);
-      // A propeller that is told to be stronger is commanded less.
+      // A propeller that the model takes for stronger gets a smaller command.
       hull.balance = balance - double{monitor.applied(p).THR_BALANCE - p.THR_BALANCE};
       hull.step(tau);
       hull.balance = balance;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kTick_us = 10'000;
 constexpr float kInertia = 0.5F;
 
-/// A boat that turns under a moment, and a unit that tells its yaw rate 0.2 s late every 50 ms.
+/// A boat that turns under a moment, and a unit that sends its yaw rate every 50 ms, 0.2 s late.
 struct Turning {
   UnitLatency latency;
   std::mt19937 random{7};
@@ -49,7 +49,7 @@ struct Turning {
 TEST_CASE("a unit that is 0.2 s late is compensated for, by a fifth of a second a second at most") {
   Turning boat;
   CHECK_FALSE(boat.latency.lag_us());
-  CHECK(boat.latency.uncompensated_s() == 0.3F);  // nobody knows yet
+  CHECK(boat.latency.uncompensated_s() == 0.3F);  // no estimate yet
   boat.sail(30);
   REQUIRE(boat.latency.found_s());
   CHECK(*boat.latency.found_s() == doctest::Approx(0.2).epsilon(0.1));

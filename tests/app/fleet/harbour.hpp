@@ -104,7 +104,7 @@ struct Harbour {
   float leader_of(std::size_t who) const { return applied(who).FORM_LEADER; }
 };
 
-/// Five seconds behind boat 1, by the first table.
+/// The fleet has sailed behind boat 1 by the first table for five seconds.
 inline Harbour under_way() {
   Harbour harbour;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);

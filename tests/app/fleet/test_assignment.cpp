@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Places of a shape, given to boats: against all permutations, and against what the theorem says.
+// The assignment of a shape's places to boats, compared with all permutations and with the theorem.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using Now = std::vector<std::optional<FleetSlot>>;
 
-/// Always on one course.
+/// An outlook with a constant course and speed.
 FleetOutlook straight(float ahead_mps, float heading_rad = 0) {
   return {.at = {{{ahead_mps, heading_rad, 0}}}, .most_mps = 1.5F};
 }
@@ -123,7 +123,7 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
   }
 }
 
-/// Of a move of two boats, the second one's to `to`, without kMoveRamp_s.
+/// Duration of a move of two boats in which the second one goes to `to`, without kMoveRamp_s.
 double seconds(FleetSlot from, FleetSlot to, const FleetOutlook& outlook, bool turns = false) {
   FleetTable requested = table_of({{0, 0}, to});
   requested.turns = turns;
@@ -141,7 +141,8 @@ TEST_CASE("the time is that of the longest way at what the boats can do") {
   CHECK(seconds({-400, 0}, {-4400, 0}, kUnderWay) ==
         doctest::Approx(40 / (kMax + 0.6)).epsilon(0.01));
   CHECK(seconds({-400, 0}, {-400, 2000}, kUnderWay) == doctest::Approx(20 / abeam).epsilon(0.01));
-  // At rest all ways are as long; sailing east, a place to the north is abeam.
+  // At rest all directions take the same time; for a fleet that sails east, a place to the north is
+  // abeam.
   CHECK(seconds({-400, 0}, {-2400, 0}, straight(0)) == doctest::Approx(20 / kMax).epsilon(0.01));
   CHECK(seconds({-400, 0}, {-2400, 0}, straight(0.6F, 1.5708F)) ==
         doctest::Approx(20 / abeam).epsilon(0.01));
@@ -198,7 +199,7 @@ TEST_CASE("a leader that sails faster later slows only the rest of the move down
     fastest_mps = std::max(fastest_mps, mps);
   }
   CHECK(fastest_mps > 0.97 * 1.5 - 0.01);
-  requested.members[1].slot_cm = {-4000, 500};  // nobody moves
+  requested.members[1].slot_cm = {-4000, 500};  // no boat moves
   CHECK(assigned(requested, Now{FleetSlot{0, 0}, FleetSlot{-4000, 500}}, 0, outlook, 0).move_ds ==
         0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A fleet with a table: who knows it, who leads, who stops.
+// A fleet with a table: which boats hold it, which boat leads, which boats stop.
 #include <doctest/doctest.h>
 
 #include "app/fleet/harbour.hpp"
@@ -209,7 +209,7 @@ TEST_CASE("a boat that is to lead follows none of those that are to follow it") 
   harbour.sail(3);
   CHECK(harbour.leader_of(1) == 100);
   CHECK(harbour.leader_of(0) == 2);
-  harbour.boats[1].own.leader = 1;  // the parameters name one of them too
+  harbour.boats[1].own.leader = 1;  // the parameters name the same leader
   next.epoch = 3;
   harbour.hear(0, message_of(next, 0), kOperator);
   harbour.sail(3);
@@ -348,7 +348,7 @@ TEST_CASE("an operator's own leader or slot is above the table until the next on
   harbour.boats[0].on = false;
   harbour.boats[1].state = core::State::kHold;
   harbour.sail(5);
-  CHECK(harbour.boats[2].state == core::State::kFormation);  // it takes nothing over
+  CHECK(harbour.boats[2].state == core::State::kFormation);  // it does not take over
   CHECK(harbour.boats[3].state == core::State::kAuto);
 }
 
@@ -370,7 +370,7 @@ TEST_CASE("a stop is ordered once, also to a boat in HOLD or under an RC pilot")
   }
   for (int tick = 0; tick < 100; ++tick) {
     harbour.sail(0.01);
-    harbour.boats[2].state = core::State::kManual;  // as an RC pilot's switch does
+    harbour.boats[2].state = core::State::kManual;  // as by an RC pilot's switch
   }
   for (const Boat& boat : harbour.boats) CHECK(boat.stops == 1);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Changes of shape: who gives the places, and how all move to them.
+// Changes of shape: which boat assigns the places, and how all boats move to them.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -48,7 +48,7 @@ TEST_CASE("a request to give the places: who hears it does, and all agree") {
   wish.members[3].slot_cm = {-800, 100};
   harbour.hear(2, message_of(wish, 0), {9, 1});
   harbour.sail(3);
-  CHECK(harbour.applied(3).FORM_OFS_E == 0);  // nobody gives orders but an operator
+  CHECK(harbour.applied(3).FORM_OFS_E == 0);  // only an operator may give orders
   harbour.hear(2, message_of(wish, 0), kOperator);
   harbour.sail(30);
   CHECK(harbour.applied(1).FORM_OFS_N == -4);
@@ -56,7 +56,7 @@ TEST_CASE("a request to give the places: who hears it does, and all agree") {
   CHECK(harbour.applied(3).FORM_OFS_N == -12);
   for (std::size_t i : {1U, 3U}) CHECK(harbour.applied(i).FORM_OFS_E == 1);
   wish.members[3].slot_cm = {-800, 900};
-  harbour.hear(1, message_of(wish, 0), kOperator);  // an epoch that all have
+  harbour.hear(1, message_of(wish, 0), kOperator);  // an epoch that all boats have
   harbour.sail(30);
   CHECK(harbour.applied(3).FORM_OFS_E == 1);
 }

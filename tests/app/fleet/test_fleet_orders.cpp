@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an operator orders stays ordered: the rule of succession neither undoes nor outlives it.
+// The rule of succession respects an operator's orders: it does not undo them.
 #include <doctest/doctest.h>
 
 #include <initializer_list>
@@ -29,7 +29,7 @@ TEST_CASE("whoever takes over from a leader that sails no plan waits: it starts 
     CAPTURE(static_cast<int>(state));
     Harbour harbour = under_way();
     harbour.boats[0].state = state;
-    harbour.sail(0.5);  // sooner than a beacon that repeats old news
+    harbour.sail(0.5);  // before a beacon could repeat the old place
     harbour.boats[0].on = false;
     harbour.sail(2);
     CHECK(harbour.boats[1].fleet.place().plan_id == 0);
@@ -97,7 +97,7 @@ TEST_CASE("another slot for the boat that leads does not end its lead") {
   CHECK(harbour.leader_of(1) == 1);
 }
 
-/// Boat 2 has taken over, is to yield to boat 1, which is back, and cannot follow yet.
+/// Boat 2 has taken over. Boat 1 is back, so boat 2 must yield to it, but cannot follow it yet.
 Harbour yielding() {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
@@ -170,7 +170,7 @@ TEST_CASE("a leader that a pilot steers still leads: nobody else sails off on th
   CHECK(harbour.boats[1].fleet.place().plan_id == 77);
   harbour.boats[0].state = State::kManual;
   harbour.sail(2);
-  harbour.boats[0].state = State::kHold;  // as when the sticks fall silent
+  harbour.boats[0].state = State::kHold;  // as after the sticks fell silent
   harbour.sail(2);
   CHECK(harbour.boats[1].state == State::kLoiter);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the rule of succession does to the tree: every tree of up to five boats, every set of boats
-// that fail. LAW.md, "When the tree changes", rests on it.
+// The effect of the rule of succession on the tree, for every tree of up to five boats and every
+// set of failed boats. LAW.md, "When the tree changes", relies on it.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -44,7 +44,8 @@ struct Fleet {
     }
   }
 
-  /// Boats from a boat up to the leader; more than all where there is no way.
+  /// Number of links from a boat up to the leader; more than the number of boats if there is no
+  /// path.
   std::size_t depth(std::size_t boat) const {
     for (std::size_t links = 0; links <= table.count; ++links) {
       if (rules[boat].leads()) return links;

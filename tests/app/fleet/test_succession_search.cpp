@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Every history of four boats under the shipped rule of succession: a radio that loses, repeats and
-// delays what it likes, two boats that fail, one split of the radio, three tables of which the last
-// one stops all. Time is left out: a member may count as silent at any moment, so whatever the
-// radio's timing does is among the histories.
+// Every history of four boats under the shipped rule of succession. The radio may lose, repeat and
+// delay any message; two boats fail; the radio splits once; there are three tables, and the last
+// one stops all boats. Time is left out: a member may count as silent at any moment, so the
+// histories include every timing of the radio.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -205,7 +205,7 @@ void events(const Node& n, const Limits& limits, Bug bug, F f) {
   }
 }
 
-/// A quiet radio for a while: everybody hears all whom it can, and lacks no table.
+/// A quiet radio for a while: each boat hears all boats that it can, and gets every table.
 Node closing(Node n, Bug bug) {
   for (int round = 0; round < 8; ++round) {
     for (std::size_t i = 0; i < kMaxBoats; ++i) {

@@ -53,7 +53,7 @@ TEST_CASE("a table that makes no fleet is refused, with the boat's name") {
   bad.members[2].system = 2;
   CHECK(verdict_of(bad).fault == TableFault::kTwice);
   bad = table_of_four(1);
-  bad.members[1].leader = 3;  // of lower rank: a cycle could be made of that
+  bad.members[1].leader = 3;  // of lower rank: this would allow a cycle
   CHECK(verdict_of(bad).fault == TableFault::kTree);
   CHECK(verdict_of(bad).system == 2);
   bad = table_of_four(1);
@@ -87,7 +87,7 @@ TEST_CASE("the newest table wins, and comes into force at its time as a whole") 
   CHECK_FALSE(ledger.replaces(0, 0));  // it replaces none
   CHECK(ledger.take(table_of_four(3), 5'000'000, 2'000'000));
   CHECK_FALSE(ledger.take(table_of_four(2), 3'000'000, 2'000'000));
-  CHECK_FALSE(ledger.take(table_of_four(3), 4'000'000, 2'000'000));  // the prompter copy
+  CHECK_FALSE(ledger.take(table_of_four(3), 4'000'000, 2'000'000));  // an earlier copy
   CHECK(ledger.is_due(4'000'000));
   CHECK(ledger.current()->epoch == 1);
   for (int held = 0; held < 2; ++held) {

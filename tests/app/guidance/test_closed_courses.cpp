@@ -14,7 +14,7 @@ namespace mav = link::mav;
 
 constexpr unsigned kNorth = 0, kEast = 4, kSouth = 8, kWest = 12;
 
-/// At the equator, of corners in metres north and east of (0, 0).
+/// A fence at the equator, with corners in metres north and east of (0, 0).
 struct Fenced {
   std::vector<PlanItem> items;
   std::vector<Fence::Place> corners;
@@ -39,7 +39,7 @@ struct Fenced {
     fence.locate({});
   }
 
-  /// Of a boat that stops within 5 m.
+  /// The closed courses of a boat that stops within 5 m.
   std::uint16_t closed(double north_m, double east_m) const {
     const Configuration::Stopping stopping{1.0F, 0.125F, 0.0F};
     return FenceWatch::closed_courses(fence, {north_m, east_m, {}}, stopping, core::Q16(1));

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::uint8_t kOwn = 1, kFollower = 2;
 
-/// A boat that leads, and one that follows it and tells its reference ten times a second.
+/// A boat that leads, and a follower that sends its reference ten times a second.
 struct Fleet {
   FleetReports reports;
   std::int64_t now_us = kSecond_us;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kU = 0.6, kR = 0.05;  // of the leader, which turns
 
-/// Slot and leader at a time; the slot speeds up in the shape.
+/// Motion of slot and leader over time; the slot accelerates in the shape.
 struct Path {
   bool turns = false;
   core::Vec2<double> d{-6, 4}, w{0.3, -0.9}, w_dot{0.05, -0.1};

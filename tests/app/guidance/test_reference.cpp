@@ -20,7 +20,7 @@ Parameters parameters(std::uint8_t system, std::uint8_t leader) {
   p.MAV_SYSID = system;
   p.FORM_LEADER = leader;
   p.FORM_OFS_N = -3;
-  p.FORM_LAG_S = 0;  // few here answer TIMESYNC
+  p.FORM_LAG_S = 0;  // few senders here answer TIMESYNC
   return p;
 }
 
@@ -51,7 +51,7 @@ struct Circle {
   }
 };
 
-/// A boat that has nothing but a reference; its clock is so far ahead of the world's.
+/// A boat that receives only a reference; its clock is `ahead_us` ahead of the world's.
 template <class S>
 struct Boat {
   Reference<S> reference;
@@ -75,7 +75,7 @@ struct Boat {
   auto aim(std::int64_t us) const { return reference.aim(us + ahead_us); }
 };
 
-/// How far the aim is from where the root is, m.
+/// Distance of the aim from the root's true place, m.
 template <class S>
 double off_m(const Boat<S>& boat, std::int64_t us) {
   const auto aim = boat.aim(us);
@@ -207,7 +207,7 @@ TEST_CASE("a root that is not heard any more is carried on for four seconds, tol
   CHECK_FALSE(line.boats[0].aim(9'950'000));
 }
 
-/// A boat behind boat 1, which tells the root's motion directly.
+/// A boat behind boat 1, which sends the root's motion directly.
 struct Follower {
   Boat<double> boat{2, 1, 0};
   std::uint16_t sequence = 0;
@@ -229,7 +229,7 @@ struct Follower {
   void hear(const link::FormationReference& m, std::int64_t us, std::uint8_t from = 1) {
     boat.hear({from, 1}, m, us);
   }
-  /// As it should be, ten times a second.
+  /// Receives the true reference ten times a second.
   void hear_until(std::int64_t from_us, std::int64_t to_us) {
     for (std::int64_t us = from_us; us < to_us; us += 100'000) hear(reference(us, ++sequence), us);
   }
@@ -237,7 +237,7 @@ struct Follower {
   std::uint32_t news() const { return boat.reference.news(); }
 };
 
-/// The circle, which turns into a straight at `straight_us`, as boat 1 tells its future at `us`.
+/// The future that boat 1 sends at `us`: the circle, then a straight from `straight_us` on.
 link::FormationFuture future(std::int64_t us, std::uint16_t sequence, std::int64_t straight_us) {
   core::Future<double> f;
   for (std::size_t k = 0; k < f.u.size(); ++k) {
@@ -253,9 +253,9 @@ link::FormationFuture future(std::int64_t us, std::uint16_t sequence, std::int64
   return m;
 }
 
-/// Follows the circle until 2 s, heard from boat 1; at 2 s its future is heard.
+/// Receives the circle from boat 1 until 2 s, then its future.
 struct Foreseeing : Follower {
-  /// The last reference once more, older now.
+  /// Receives the last reference again, with a greater age.
   void repeat(std::int64_t us) {
     link::FormationReference m = reference(1'900'000, sequence);
     m.time_boot_ms = static_cast<std::uint32_t>(us / 1000);
@@ -294,7 +294,7 @@ TEST_CASE("without a future a reference of that age is not followed") {
 }
 
 TEST_CASE("a future that the reference contradicts is dropped") {
-  Foreseeing f(2'000'000);  // it says: straight from now on
+  Foreseeing f(2'000'000);  // the future is straight from now on
   REQUIRE(f.aim(2'400'000));
   CHECK(f.boat.reference.future_message(2'400'000));
   f.hear(Follower::reference(2'900'000, ++f.sequence), 2'910'000);  // but the root still turns

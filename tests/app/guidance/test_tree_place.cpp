@@ -19,7 +19,7 @@ TreePath path_of(std::initializer_list<std::uint8_t> ids) {
   return path;
 }
 
-/// What a leader in a line tells, 3 m behind the maker.
+/// The message of a leader in a line, 3 m behind the maker.
 link::FormationReference word(std::initializer_list<std::uint8_t> path = {kMaker, kRoot}) {
   link::FormationReference m{};
   m.root = kRoot;
@@ -61,7 +61,7 @@ TEST_CASE("a slot that turns is added to what turns with the root") {
   p.hear(word(), 0, 0);
   CHECK(p.offset(0)->n == convert::WireOffset{-3072, 0});
   CHECK(p.offset(0)->b == convert::WireOffset{-1024, 2048});
-  // A slot that does not turn, behind one that does, is carried along.
+  // A slot that does not turn, behind one that does, moves with it.
   TreePlace behind = place(false);
   auto m = word();
   m.offset_b = {-1024, 2048};
@@ -153,7 +153,7 @@ TEST_CASE("a leader that tells what is too old is left, and comes back after ste
   };
   CHECK(hear(10 * kSecond_us, 2'900'000));
   CHECK_FALSE(hear(11 * kSecond_us, 3'100'000));
-  CHECK_FALSE(hear(12 * kSecond_us, 2'500'000));  // younger, but not young
+  CHECK_FALSE(hear(12 * kSecond_us, 2'500'000));  // younger, but not young enough
   for (int s = 13; s < 16; ++s) CHECK_FALSE(hear(s * kSecond_us, 2'000'000));
   CHECK(hear(16 * kSecond_us, 2'000'000));
   CHECK(hear(17 * kSecond_us, 2'900'000));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kHour_us = 3'600'000'000;
 
-/// Their clock: offset and drift; the radio: least delay and mean of what comes on top, each way.
+/// Their clock: offset and drift. The radio: least delay, and mean additional delay, each way.
 struct Radio {
   std::int64_t offset_us = 0;  ///< our time − their time, at time 0
   double drift_ppm = 0;
@@ -31,7 +31,7 @@ struct Radio {
     return delay_us +
            static_cast<std::int64_t>(std::exponential_distribution<double>(1 / jitter_us)(random));
   }
-  /// Messages at 20 Hz and a TIMESYNC exchange a second, in the order of their arrival's cause.
+  /// Messages at 20 Hz and one TIMESYNC exchange a second, in order of sending.
   void talk(ClockOffset& clock, std::int64_t from_us, std::int64_t until_us, bool timesync) {
     for (std::int64_t t = from_us; t < until_us; t += 50'000) {
       clock.heard(theirs(t), t + way_us());
@@ -153,8 +153,8 @@ TEST_CASE("a clock that is set ahead and back between two answers is known again
   CHECK(std::abs(radio.error_ms(clock, 23'000'000)) < 1);
 }
 
-/// A sender whose messages take to_us, and ours fro_us, and whose clock runs ahead by drift and
-/// steps. Checks after each message that it is not believed to be younger than it is.
+/// A sender whose messages take to_us, while ours take fro_us. Its clock gains by drift and steps.
+/// Checks after each message that the message does not count as younger than it is.
 struct Late {
   std::int64_t to_us, fro_us;
   double drift = 0;
@@ -166,7 +166,8 @@ struct Late {
     return us + static_cast<std::int64_t>(drift * static_cast<double>(us)) +
            (us < set_us ? 0 : ahead_us);
   }
-  /// By how much a message that arrives now is older than the greatest age that the clock tells.
+  /// Excess of the true age of a message that arrives now over its greatest possible age by the
+  /// clock.
   std::int64_t missing_us() const {
     return theirs(now_us - to_us) + *clock.least_us() - (now_us - to_us);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Jumps: what a vessel cannot have done moves no track, until it has been told for a second.
+// Jumps: an impossible motion does not move a track until it has been reported for a second.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kPeriod_us = 100'000, kHour_us = 3'600'000'000;
 
-/// Of system 5, a vessel that sails north at 1 m/s, `off` east of the origin.
+/// A state of system 5, a vessel that sails north at 1 m/s, `off` east of the origin.
 link::Odometry at(std::int64_t us, double off, std::int64_t clock_us = 0) {
   link::Odometry m{};
   m.time_usec = static_cast<std::uint64_t>(us + clock_us);
@@ -33,7 +33,7 @@ struct Watch {
   std::int64_t now_us = 1'000'000;
 
   void hear(const link::Message& message) { track.take({{5, 1}, message}, now_us, counters); }
-  /// At 10 Hz, `off` to the east.
+  /// Receives states at 10 Hz, `off` to the east.
   void sail(double seconds, double off = 0) {
     const std::int64_t end_us = now_us + static_cast<std::int64_t>(seconds * 1e6);
     for (; now_us < end_us; now_us += kPeriod_us) hear(at(now_us, off));
@@ -70,7 +70,7 @@ TEST_CASE_TEMPLATE("a place that is told for a second, five times, is believed",
   CHECK(w.east_m() == 50);
   CHECK_FALSE(w.steady());
   CHECK(w.track.jumped());
-  CHECK(double(w.track.motion(w.now_us).nu_dot.u) == doctest::Approx(0));  // no motion led there
+  CHECK(double(w.track.motion(w.now_us).nu_dot.u) == doctest::Approx(0));  // the jump is no motion
   w.sail(1.1, 50);
   CHECK(w.steady());
   CHECK(w.track.jumped());  // until that is accepted

@@ -6,14 +6,14 @@
 namespace flotilla::app {
 namespace {
 
-/// A vessel that says at 10 Hz where it is, and its instrument, which can stick.
+/// A vessel that reports its place at 10 Hz by an instrument that can stick.
 template <class S>
 struct Watch {
   Liveness<S> liveness{S(0.3)};
   convert::Sample<S> sample{};
   int said = 0;
 
-  /// Until it is found frozen, or −1.
+  /// Seconds until it is found frozen, or −1.
   double sail(double seconds, bool stuck = false, double pushed_mps2 = 0) {
     double frozen_s = -1;
     for (int k = 0; k < seconds * 10; ++k, ++said) {
@@ -89,7 +89,8 @@ TEST_CASE_TEMPLATE("a state that is the same to the last bit while the propeller
   CHECK(after_s >= 0.2);
   CHECK(after_s <= 0.5);
   CHECK(w.sail(2, true) > 0);
-  // They rest: who knows whether it still sticks. It is asked again when they push.
+  // While the propellers rest, nobody can know whether it still sticks. It is judged again when
+  // they push.
   w.sail(20, true);
   CHECK(w.liveness.live());
   CHECK(w.sail(5, true, 1.0) > 0);

@@ -32,7 +32,7 @@ TEST_CASE_TEMPLATE("not smoothed, a vessel goes on as its last state says, and f
   raw.set_smoothing(true);
   for (int k = 11; k <= 30; ++k) take(raw, 0.1 * k, 0.1);
   CHECK(double(raw.track().nu_dot.u) == doctest::Approx(1).epsilon(0.05));
-  raw.set_smoothing(false);  // a later stretch does not begin with what was long ago
+  raw.set_smoothing(false);  // an old state is not filtered with later ones
   CHECK(raw.track().nu_dot.u == S(0));
 }
 
@@ -42,7 +42,7 @@ TEST_CASE_TEMPLATE(
   MotionFilter<S> filter;
   CHECK_FALSE(filter.take_fix());
   take(filter, 2, 0);
-  CHECK(filter.take_fix().value().dt == S(0));  // nothing led to the first
+  CHECK(filter.take_fix().value().dt == S(0));  // the first state has no predecessor
   CHECK_FALSE(filter.take_fix());
   for (const double dt : {0.1, 0.15, 0.05}) take(filter, 2, dt);
   CHECK(double(filter.take_fix().value().dt) == doctest::Approx(0.3));

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000, kStart_us = 9'000 * kSecond_us;
 
-/// The time of a clock that began so many seconds after the boat's.
+/// The time of a clock that started `began_s` after the boat's.
 std::uint32_t clock_ms(std::int64_t now_us, std::int64_t began_s) {
   return static_cast<std::uint32_t>((now_us - began_s * kSecond_us) / 1000);
 }

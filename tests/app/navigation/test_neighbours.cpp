@@ -20,7 +20,7 @@ link::Heartbeat beat(std::uint8_t type = link::mav::kTypeSurfaceBoat,
   return {0, type, autopilot, steered ? link::mav::kModeFlagGuided : std::uint8_t{0}, 4};
 }
 
-/// degE7 of a way that many metres from the origin; a sphere is near enough for metres.
+/// The position in degE7 at these metres from the origin; a sphere is accurate enough for metres.
 link::GlobalPositionInt at(double north_m, double east_m, double v_north = 0, double v_east = 0) {
   const double degE7_per_m = 1e7 / 111'050;
   const double c = std::cos(41.0 / 180 * 3.14159265358979);
@@ -45,7 +45,7 @@ struct Watch {
             std::uint8_t component = 1) {
     neighbours.take({{system, component}, message}, own, now_us);
   }
-  /// A boat that is there, and how deep it is.
+  /// Receives a boat at that place, with its depth in the tree.
   void meet(std::uint8_t system, double north_m, double east_m, int depth, bool steered = true) {
     hear(system, beat(link::mav::kTypeSurfaceBoat, link::mav::kAutopilotGeneric, steered));
     hear(system, at(north_m, east_m));
@@ -68,7 +68,7 @@ TEST_CASE(
   w.hear(5, at(30, -40, 2, -1));
   const auto seen = w.neighbours.traffic(w.own, core::Vec2<double>{1, 1}, kSecond_us / 2);
   REQUIRE(seen.count == 1);
-  // 0.6 s on: half a second, and the tenth that a message was on its way.
+  // 0.6 s later: half a second, and 0.1 s for the message's delay.
   CHECK(seen.vessels[0].p_n.x == doctest::Approx(30 + 1.2 - 1).epsilon(2e-3));
   CHECK(seen.vessels[0].p_n.y == doctest::Approx(-40 - 0.6 - 1).epsilon(2e-3));
   CHECK(seen.vessels[0].v_n.x == doctest::Approx(2));
@@ -76,7 +76,8 @@ TEST_CASE(
   CHECK(seen.vessels[0].margin == doctest::Approx(0.6 * std::sqrt(5.0)));
 }
 
-/// Vessel 5 sails north at 2 m/s, and tells where it was at `true_us` by a clock `ahead_us` of ours.
+/// Vessel 5 sails north at 2 m/s. It reports its place at `true_us` by a clock that is `ahead_us`
+/// ahead of ours.
 struct Sailing : Watch {
   std::int64_t ahead_us = 100 * kSecond_us;
 
@@ -86,11 +87,11 @@ struct Sailing : Watch {
     m.time_boot_ms = static_cast<std::uint32_t>((true_us + ahead_us) / 1000);
     hear(5, m, now_us);
   }
-  /// Told ten times a second, each time so late.
+  /// Reports ten times a second, each `late_us` late.
   void sail(std::int64_t from_us, std::int64_t to_us, std::int64_t late_us) {
     for (std::int64_t us = from_us; us < to_us; us += 100'000) tell(us - late_us, us);
   }
-  /// How far ahead of where it is it is taken to be; the tenth of a second aside.
+  /// Distance of the assumed place ahead of the true one, without the assumed delay of 0.1 s.
   double off_m(std::int64_t now_us) const {
     const auto seen = look(now_us);
     REQUIRE(seen.count == 1);
@@ -115,7 +116,7 @@ TEST_CASE("a state that is five seconds late is none: its vessel is forgotten, n
   CHECK(w.look(60 * kSecond_us).count == 0);
   CHECK(w.neighbours.late(60 * kSecond_us) == 5);
   w.tell(60 * kSecond_us, 60 * kSecond_us);
-  CHECK(w.neighbours.late(60 * kSecond_us) == 5);  // another one of its id may be the late one
+  CHECK(w.neighbours.late(60 * kSecond_us) == 5);  // another vessel with its id may be the late one
   CHECK_FALSE(w.neighbours.late(63 * kSecond_us));
   CHECK(w.off_m(60 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
 }
@@ -260,7 +261,7 @@ TEST_CASE(
   Watch w;
   w.hear(5, beat(link::mav::kTypeSurfaceBoat, link::mav::kAutopilotInvalid));
   w.hear(5, at(5, 0));
-  w.hear(6, at(5, 0));  // never a heartbeat
+  w.hear(6, at(5, 0));  // without any heartbeat
   w.hear(7, beat());
   w.hear(7, at(5, 0), 0, 220);
   w.hear(kOwn, beat());
@@ -278,7 +279,7 @@ TEST_CASE("a place that cannot be is passed over, and so is one in another ocean
   w.hear(5, link::GlobalPositionInt{});
   w.hear(5, at(8000, 0));
   CHECK(w.look().count == 0);
-  w.own.origin = {};  // nobody knows where we are ourselves
+  w.own.origin = {};  // our own place is unknown
   w.hear(5, at(5, 0));
   CHECK(w.look().count == 0);
 }
@@ -326,7 +327,7 @@ TEST_CASE("a vessel that sends no DEPTH is a stranger, the leader never") {
   CHECK((seen.vessels[2].stranger && seen.vessels[2].has_way));
 }
 
-/// A ship that reports by AIS that it goes east.
+/// A ship that reports by AIS that it sails east.
 link::AisVessel ship(double north_m, std::uint16_t heard_s_ago, std::uint32_t mmsi = 211'000'001) {
   const link::GlobalPositionInt place = at(north_m, 0);
   link::AisVessel m{};
@@ -450,7 +451,7 @@ TEST_CASE("behind a leader that tells no depth a boat is one deep; nonsense is n
   w.hear(kLeader, value_of("OTHER", 7, 0));
   CHECK(w.neighbours.depth() == 1);
   w.hear(kLeader, value_of("DEPTH", 250, 0));
-  CHECK(w.neighbours.depth() == 250);  // who follows in a circle does not count for ever
+  CHECK(w.neighbours.depth() == 250);  // the depth of a boat in a cycle is limited
   w.neighbours.configure(kOwn, 77, 1.5F);
   CHECK(w.neighbours.depth() == 1);
 }
@@ -472,7 +473,7 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   w.meet(31, 0, 20, 1);
   const link::GpsGlobalOrigin origin{kLatitude, kLongitude, 0, 0};
   w.hear(32, beat());
-  w.hear(32, origin);  // nobody knows yet how near it is
+  w.hear(32, origin);  // its distance is still unknown
   const auto seen = w.look();
   CHECK(seen.count == 8);
   double farthest_m = 0;
@@ -481,7 +482,7 @@ TEST_CASE("of more vessels than there is room for, the farthest are left out") {
   w.hear(32, link::LocalPositionNed{0, 5, 0, 0, 1, 0, 0});
   const auto now = w.look();
   CHECK(std::ranges::any_of(std::span(now.vessels).first(now.count), [](const auto& v) {
-    return core::length(v.p_n) < 6;  // near after all, though it only tells a local place
+    return core::length(v.p_n) < 6;  // it is near, although it sends only local places
   }));
 }
 

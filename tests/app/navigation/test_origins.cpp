@@ -25,7 +25,7 @@ TEST_CASE("local positions are known when their own component has reported their
   origins.take(kOrigin, 1, true, 10);
   CHECK(origins.is_told_by(1));
   CHECK_FALSE(origins.is_told_by(2));
-  CHECK_FALSE(origins.located());  // until a position is believed to be there
+  CHECK_FALSE(origins.located());  // until a position is accepted
   CHECK(origins.place_of(local(), 1)->origin.longitude == kOrigin.longitude);
   CHECK_FALSE(origins.place_of(local(), 2));
   origins.anchor(local(), 1);

@@ -11,7 +11,7 @@ namespace {
 constexpr link::Address kMaker{1, 1};
 constexpr std::int64_t kHour_us = 3'600'000'000;
 
-/// Their clock is that far ahead of ours; messages take delay_us each way.
+/// Their clock is ahead_us ahead of ours; messages take delay_us each way.
 struct Sender {
   link::Address from;
   std::int64_t ahead_us = 0, delay_us = 0;
@@ -33,7 +33,7 @@ TEST_CASE("TIMESYNC tells when a message left, however long it took and whatever
     SenderClocks clocks;
     const Sender sender{kMaker, ahead_us, 200'000};
     sender.speak(clocks, 1'000'000);
-    CHECK(sender.speak(clocks, 1'100'000)->us >= 1'290'000);  // unknown: as if it took no time
+    CHECK(sender.speak(clocks, 1'100'000)->us >= 1'290'000);  // unknown latency counts as 0
     CHECK_FALSE(sender.speak(clocks, 1'100'000)->timed);
     sender.answer(clocks, 1'200'000);
     for (std::int64_t us = 2'000'000; us < 9'000'000; us += 100'000) {
@@ -41,7 +41,7 @@ TEST_CASE("TIMESYNC tells when a message left, however long it took and whatever
       REQUIRE(left);
       CHECK(left->timed);
       CHECK(std::abs(left->us - us) < 2000);
-      CHECK(left->least_us <= left->us - 195'000);  // all of both ways may be one's
+      CHECK(left->least_us <= left->us - 195'000);  // one way may take the whole round trip
       if (us % 1'000'000 == 0) sender.answer(clocks, us);
     }
   }
@@ -81,7 +81,7 @@ TEST_CASE("a message that comes after a later one, by a slower link, is known to
     const auto first = fast.speak(clocks, us);
     REQUIRE(first);
     CHECK_FALSE(first->overtaken);
-    CHECK(std::abs(first->us - us) <= 20'000);  // the late copies do not restart its clock
+    CHECK(std::abs(first->us - us) <= 20'000);  // late copies do not count as a restarted clock
     if (us % 200'000 == 0) fast.answer(clocks, us);
     const auto copy = slow.speak(clocks, us - 1'700'000);
     REQUIRE(copy);
@@ -113,7 +113,7 @@ TEST_CASE("of more senders than there is room for those nearest to the root are 
   CHECK(speak(9, 4, 1'000'000));
   CHECK(speak(10, 0, 1'000'000));  // the leader
   CHECK(speak(10, 0, 1'100'000));
-  // Who is silent makes room.
+  // A silent sender makes room.
   CHECK_FALSE(speak(20, 9, 1'100'000));
   CHECK(speak(20, 9, 4'200'000));
 }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kPeriod_us = 100'000;
 
-/// A vessel that sends ten rounds a second of the sources that it has.
+/// A vessel that sends all its sources ten times a second.
 struct Rounds {
   StateSources sources{500'000};
   std::int64_t now_us = 1'000'000;

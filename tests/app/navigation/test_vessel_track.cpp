@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kLimit_us = 500'000, kHour_us = 3'600'000'000;
 
-/// A vessel of system 5 on a straight course north at 2 m/s: what its component 1 says of time t.
+/// A state from component 1 of system 5, a vessel on a straight course north at 2 m/s.
 link::Odometry at(std::int64_t stamp_us, float north_m, float speed = 2) {
   link::Odometry m{};
   m.time_usec = static_cast<std::uint64_t>(stamp_us);
@@ -182,7 +182,7 @@ TEST_CASE_TEMPLATE("no motion led from before a reset of the estimate to where i
   CHECK(w.track.age_us(2'100'000) == 0);
   CHECK(w.track.fresh(2'100'000, kLimit_us));
   const auto motion = w.track.motion(2'100'000);
-  CHECK(double(motion.nu_dot.u) == doctest::Approx(0));  // the velocity's leap is no acceleration
+  CHECK(double(motion.nu_dot.u) == doctest::Approx(0));  // the velocity's step is no acceleration
   CHECK(double(motion.nu.u) == doctest::Approx(-2));
 }
 
@@ -300,7 +300,7 @@ TEST_CASE_TEMPLATE("TIMESYNC tells the age of a message that was long on its way
                    double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 3'000'000; t += 100'000) w.hear(at(t + kHour_us, 0), t + 80'000);
-  CHECK(w.track.age_us(3'000'000) == 20'000);  // believes the quickest way took no time
+  CHECK(w.track.age_us(3'000'000) == 20'000);  // the fastest message counts as undelayed
   w.track.answered({5, 1}, 2'000'000, 2'080'000 + kHour_us, 2'160'000);
   CHECK(w.track.age_us(3'000'000) == 100'000);
   w.track.answered({6, 1}, 2'000'000, 2'000'000 + kHour_us, 2'160'000);
@@ -313,7 +313,7 @@ TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offs
   w.hear(link::GpsGlobalOrigin{950'000'000, 0, 0, 0}, 0);
   CHECK_FALSE(w.track.has_origin());
   w.hear(link::GpsGlobalOrigin{410'000'000, 20'000'000, 0, 0}, 0);
-  CHECK_FALSE(w.track.has_origin());  // of whom, is not known before there is a state
+  CHECK_FALSE(w.track.has_origin());  // the component is unknown before the first state
   w.hear(at(1000, 7), 1000);
   CHECK(w.track.has_origin());
   CHECK(w.track.position().origin.latitude == 410'000'000);
@@ -323,7 +323,8 @@ TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offs
   CHECK(convert::number(track.position().east_m) == doctest::Approx(-0.5));
 }
 
-// What the four sources say of a vessel that sails north at 2 m/s; each is told by its own place.
+// The messages of four sources of a vessel that sails north at 2 m/s. Each source has its own
+// place, by which the tests recognise it.
 
 constexpr std::int64_t kPeriod_us = 100'000;
 const link::GpsGlobalOrigin kOrigin{487'000'000, 22'950'000, 0, 0};
@@ -361,7 +362,7 @@ struct FourSources : Watch<S> {
   bool odometry = false, local = false, follow = false, global = false, origin = true;
   std::int64_t now_us = 1'000'000;
 
-  /// Ten rounds a second.
+  /// Sends all active sources ten times a second.
   void sail(double seconds) {
     const std::int64_t end = now_us + static_cast<std::int64_t>(seconds * 1e6);
     for (; now_us < end; now_us += kPeriod_us) {
@@ -373,7 +374,7 @@ struct FourSources : Watch<S> {
       if (odometry) this->hear(odometry_at(now_us, kOdometryEast), now_us);
     }
   }
-  /// East of the origin, and to centimetres which source was believed.
+  /// Whether the position has this offset to the east, which identifies the source in use.
   bool believes(double east_m) const {
     return std::abs(convert::number(this->track.position().east_m) - east_m) < 0.03;
   }
@@ -430,7 +431,7 @@ TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the o
   };
   std::int64_t us = 1'000'000;
   CHECK(hear(us, 22'950'000));
-  // A second until another place is believed.
+  // It takes a second until another place is believed.
   for (int k = 0; k < 11; ++k) hear(us += 100'000, 22'950'000 - 1'800'000'000);
   CHECK_FALSE(hear(us += 100'000, 22'950'000 - 1'800'000'000));
   for (int k = 0; k < 11; ++k) hear(us += 100'000, 22'950'100);
@@ -511,7 +512,7 @@ TEST_CASE_TEMPLATE("a vessel whose FOLLOW_TARGET has no attitude takes ATTITUDE'
   w.hear(link::Attitude{900, 0, 0, 0.5F, 0, 0, 0.1F}, 1'000'000);
   w.hear(m, 1'000'000);
   CHECK(double(w.track.take_fix().value().psi) == doctest::Approx(0.51));
-  m.timestamp = 1'700'000'000'000;  // a clock that ATTITUDE does not know
+  m.timestamp = 1'700'000'000'000;  // a clock other than ATTITUDE's
   w.hear(m, 1'100'000);
   CHECK(w.counters.mavlink_no_heading == 2);
 }
@@ -545,7 +546,7 @@ TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before",
   link::Odometry frd = odometry_at(w.now_us, 0);
   frd.frame_id = 20;
   w.hear(frd, w.now_us);
-  w.track.follow(5);  // nobody new
+  w.track.follow(5);  // the same vessel
   CHECK(w.track.fresh(w.now_us, kLimit_us));
   w.track.follow(7);
   CHECK_FALSE(w.track.age_us(w.now_us));
@@ -553,11 +554,11 @@ TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before",
   CHECK_FALSE(w.track.has_origin());
   CHECK_FALSE(w.track.take_frame_warning());
   w.hear(odometry_at(w.now_us, 0), w.now_us);
-  CHECK_FALSE(w.track.age_us(w.now_us));  // the old one's voice
+  CHECK_FALSE(w.track.age_us(w.now_us));  // a message of the old vessel
   w.hear(local_at(w.now_us, 3), w.now_us, {7, 1});
   CHECK(w.counters.mavlink_no_heading == 1);  // the old one's ATTITUDE is not the new one's
   w.hear(at(50'000, 3), w.now_us, {7, 1});
-  CHECK(w.track.age_us(w.now_us) == 0);  // nor are its clock and stamps
+  CHECK(w.track.age_us(w.now_us) == 0);  // nor are its clock and stamps used
   CHECK(w.track.position().north_m == 3);
   CHECK(double(w.track.motion(w.now_us).nu_dot.u) == 0);
 }

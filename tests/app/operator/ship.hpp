@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A vehicle between links and supervisor, with an operator and a stranger who speak to it.
+// A vehicle between links and supervisor, with an operator and a stranger that send to it.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ namespace mav = link::mav;
 using testing::frame_of;
 using testing::received_from;
 inline constexpr std::int64_t kTick_us = 10'000, kSecond_us = 1'000'000;
-/// All that the world, and not the operator, makes.
+/// The conditions that depend on the world, not on the operator.
 inline constexpr core::Conditions kFair = core::kDrive | core::kArming | core::kClear |
                                           core::kLocated | core::kHomeNear | core::kCoastRunning;
 inline constexpr core::Choices kAllHold{.leader = core::Reaction::kHold};
@@ -62,7 +62,7 @@ struct Ship {
   core::Conditions world = kFair;
   std::int64_t now_us = kSecond_us;
   bool own_known = true;
-  bool changed = false;  ///< since somebody looked: a parameter or the identity
+  bool changed = false;  ///< a parameter or the identity, since the last query
   std::vector<std::vector<link::Received>> heard;  ///< of the last tick
   std::vector<link::MavlinkDecoder> decoders;
   std::vector<link::Received> left_over;  ///< what the vehicle leaves to the boat

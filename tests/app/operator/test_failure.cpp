@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// MAV_CMD_INJECT_FAILURE: a host that simulates the sea judges it; no other boat has such a command.
+// MAV_CMD_INJECT_FAILURE: a host that simulates the sea judges it; on other boats the command is
+// unsupported.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -21,7 +22,7 @@ link::CommandLong asking(float unit, float type, float instance) {
   return {mav::kCmdInjectFailure, {unit, type, instance, 0, 0, 0, 0}, {1, 1}, 0};
 }
 
-/// Has GPS failures only, and two of them.
+/// A judge that supports two GPS failures only.
 std::uint8_t judge(const Failure& failure) {
   if (failure.unit != kGps) return mav::kUnsupported;
   return failure.instance <= 1 ? mav::kAccepted : mav::kDenied;
@@ -39,7 +40,7 @@ struct Simulated {
     boat.on_mavlink(testing::frame_of(operator_, asking(unit, type, instance)), now_us, 0);
   }
 
-  /// The results of the commands that were answered in the next tick.
+  /// The results of the commands answered in the next tick.
   std::vector<int> answers() {
     std::vector<int> results;
     link::Counters counters;

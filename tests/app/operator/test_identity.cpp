@@ -43,7 +43,7 @@ TEST_CASE("a vehicle is GENERIC or ARDUPILOTMEGA as MAV_AUTOPILOT says, a compan
 
 TEST_CASE("a companion takes the only autopilot's system id three seconds after hearing it") {
   Identity boat = identity(true, 7, 191);
-  CHECK_FALSE(boat.latch(false, 50 * kSecond_us));  // nobody is there yet
+  CHECK_FALSE(boat.latch(false, 50 * kSecond_us));  // no autopilot is heard yet
   for (std::int64_t t = 0; t < 3; ++t) {
     boat.heard({42, 1}, beat(), kLeader, (60 + t) * kSecond_us);
     CHECK_FALSE(boat.latch(false, (60 + t) * kSecond_us));

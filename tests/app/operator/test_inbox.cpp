@@ -20,7 +20,7 @@ PendingRequest pending(const RequestMessage& message, std::uint8_t link = 0,
 PendingRequest command(std::uint16_t id, float first = 0) {
   return pending(link::CommandLong{id, {first, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
 }
-/// A stop makes all void that was kept.
+/// A stop discards all requests that were kept.
 template <class Answer>
 bool take(Inbox& inbox, Answer answer) {
   return inbox.take_each(answer, [](const PendingRequest&) { return true; });
@@ -81,7 +81,7 @@ TEST_CASE("what cannot be answered yet keeps its place, and so does what comes b
     std::vector<std::uint16_t> seen, kept;
     bool last = false;
     const bool said_last = take(inbox, [&](const PendingRequest& pending) {
-      REQUIRE_FALSE(last);  // nobody is asked behind the last
+      REQUIRE_FALSE(last);  // no request is answered after the last
       seen.push_back(id_of(pending));
       const auto chance = random() % 8;
       last = chance == 0;
@@ -157,7 +157,7 @@ TEST_CASE("no stop is ever lost, however full the inbox, nor answered before wha
     for (auto n = random() % most; n > 0; --n) {
       PendingRequest one =
           random() % 8 == 0 ? stop(random()) : command(mav::kCmdComponentArmDisarm, 1);
-      if (stops(one) && owed == kHolds) continue;  // as many stops are waiting already
+      if (stops(one) && owed == kHolds) continue;  // enough stops are waiting already
       one.read_us = static_cast<std::int64_t>(++pushed);
       owed += stops(one) ? 1U : 0U;
       inbox.push(one, counters);
@@ -202,7 +202,7 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
     link::Counters counters;
     for (std::size_t i = 0; i < many; ++i) {
       if (i != at) {
-        // An arming is no disarm, whatever it is about.
+        // Neither of these requests disarms.
         const bool arm = random() % 2 == 0;
         inbox.push(
             arm ? command(mav::kCmdComponentArmDisarm, 1) : pending(link::ParamRequestList{{1, 1}}),

@@ -30,7 +30,7 @@ struct Ship {
   }
   void send(std::size_t link, const link::Message& m) { links.send(link, m, counters); }
 
-  /// How many messages these bytes complete.
+  /// Number of messages that these bytes complete.
   int come(std::span<const std::uint8_t> in, std::int64_t now_us) {
     CHECK(links.fill(0, in) == in.size());
     link::Received received;
@@ -107,7 +107,7 @@ TEST_CASE("others' traffic on a slow link keeps to what is not the state's, whic
   s.links.bucket(0).limit(1000);
   const Bytes file = any_bytes(280, 1);
   std::size_t handed_on = 0, states = 0;
-  for (int k = 0; k < 12'000; ++k) {  // two minutes of somebody's file
+  for (int k = 0; k < 12'000; ++k) {  // two minutes of a file transfer
     s.links.forward(0, file, false, s.counters);
     s.links.forward(0, file, false, s.counters);
     s.links.begin(kTick_us);
@@ -251,7 +251,7 @@ TEST_CASE("under a new id every link goes on counting where it was") {
   for (std::uint8_t k = 0; k < 4; ++k) CHECK(on_0[k].sequence == k);
 }
 
-// A message that breaks off.
+// A message that is cut off.
 
 TEST_CASE("behind the false start of a message that is given up, another one is found") {
   link::MavlinkEncoder encoder({255, 190});
@@ -288,7 +288,7 @@ TEST_CASE("the rest of a message is waited for 0.3 s, however it trickles in, an
     CHECK_FALSE(s.links.timed_out(0, 300'000));
     CHECK(s.links.timed_out(0, 300'001));
     CHECK_FALSE(s.links.timed_out(1, 300'001));
-    CHECK(s.come(all.subspan(cut), 300'001) == 1);  // still whole where nobody gave it up
+    CHECK(s.come(all.subspan(cut), 300'001) == 1);  // still whole if it was not given up
     CHECK_FALSE(s.links.timed_out(0, 3600 * kSecond_us));
   }
 }
@@ -310,7 +310,7 @@ TEST_CASE("each message has its own 0.3 s, though the link is never quiet") {
   CHECK(found == static_cast<int>(stream.size() / 40));
 }
 
-// What comes in, as a link's policy sees it.
+// Reception under each policy of a link.
 
 enum class Mark { kNone, kGood, kForged };
 
@@ -380,7 +380,7 @@ TEST_CASE("a radio may say how full its buffer is without a signature, but not w
   CHECK(taken(false, Mark::kNone, 68));
   CHECK_FALSE(taken(true, Mark::kForged, 68));
   CHECK_FALSE(taken(true, Mark::kNone, 190));
-  CHECK_FALSE(taken(true, Mark::kNone, 68, true));  // nobody's serial line
+  CHECK_FALSE(taken(true, Mark::kNone, 68, true));  // not on a serial line
 }
 
 TEST_CASE("a link signs what it sends if its policy says so and there is a key, with its own id") {

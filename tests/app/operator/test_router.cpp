@@ -65,7 +65,7 @@ TEST_CASE("who was not heard for ten seconds is there no more, on each link for 
   CHECK(router.beyond({2, 1}, 0, kGone_us - 1) == 0b110);
   CHECK(router.beyond({2, 1}, 1, kGone_us - 1) == 0);
   CHECK(router.beyond({2, 1}, 0, kGone_us) == 0b100);
-  CHECK(router.beyond({2, 1}, 1, kGone_us) == 0b100);  // no longer heard where it came by
+  CHECK(router.beyond({2, 1}, 1, kGone_us) == 0b100);  // no longer heard on its link
   CHECK(router.beyond({2, 0}, 0, kGone_us + 4'000'000) == 0);
   router.heard({2, 1}, 1, 2 * kGone_us);
   CHECK(router.beyond({2, 1}, 0, 2 * kGone_us) == 0b010);
@@ -79,7 +79,7 @@ TEST_CASE("one that was heard when the clock stood at 0 was heard") {
   CHECK(router.beyond({2, 1}, 0, 0) == 0b010);
 }
 
-/// The same by plain lists: the place that was heard last stands last.
+/// The oracle: the same by plain lists, with the place heard last at the end.
 struct Model {
   struct Place {
     link::Address who;
@@ -135,7 +135,7 @@ TEST_CASE("of the 33rd sender on, the one unheard for longest is forgotten") {
       model.heard(who, link, now_us);
     };
     now_us += static_cast<std::int64_t>(random() % 400'000);
-    // Now and then a fleet passes by, or everybody is silent for a while.
+    // Sometimes a fleet passes by, or all senders are silent for a while.
     if (random() % 500 == 0) {
       for (std::uint8_t s = 100; s < 100 + random() % 40; ++s) hear({s, 1});
     }

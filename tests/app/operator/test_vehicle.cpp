@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// States of a vehicle: modes, arming, sticks, refusals and what is told of them.
+// States of a vehicle: modes, arming, sticks, refusals, and the texts about them.
 #include <array>
 
 #include "app/operator/ship.hpp"
@@ -96,7 +96,7 @@ TEST_CASE("the host's disarm comes after whatever else was asked in that tick") 
     s.tick();
     CHECK(s.state() == State::kDisarmed);
     if (from == State::kFault) continue;
-    s.command(mav::kCmdComponentArmDisarm, 1);  // it held for one tick
+    s.command(mav::kCmdComponentArmDisarm, 1);  // the condition held for one tick only
     s.tick();
     CHECK(s.state() == State::kHold);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is asked of a vehicle is answered, to who asked, in order.
+// A vehicle answers each request, to its sender, in order.
 #include <array>
 #include <random>
 
@@ -57,7 +57,7 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
   CHECK(s.all<link::AvailableModes>().empty());
 }
 
-/// In which ticks of the next ones the reference was told, `told` s.
+/// The ticks, among the next `ticks`, in which the reference was sent.
 std::vector<int> references(Ship& s, int ticks, const std::function<bool(int)>& is_news) {
   std::vector<int> told;
   for (int k = 0; k < ticks; ++k) {
@@ -112,7 +112,7 @@ TEST_CASE("what was set is in force before anything that was asked behind it") {
   s.set("LAW_KX", 0.5F);                      // too
   s.vehicle->begin(s.now_us, kTick_us);
   s.vehicle->apply_conditions(s.world, s.counters);
-  CHECK(s.vehicle->answer(s.counters));  // there is more, but first:
+  CHECK(s.vehicle->answer(s.counters));  // more requests are pending; the change comes first:
   CHECK(s.vehicle->parameters().MAV_GCS_SYSID == 99);
   CHECK(s.links.bytes(0).empty());
   CHECK(s.take_change());
@@ -196,7 +196,7 @@ TEST_CASE("modes are listed all for 0, and one by one for their index") {
   }
 }
 
-/// The interval that MESSAGE_INTERVAL tells.
+/// The interval in MESSAGE_INTERVAL.
 std::int32_t told_interval(Ship& s, std::uint16_t id) {
   s.command(mav::kCmdGetMessageInterval, id);
   s.tick();
@@ -293,7 +293,7 @@ TEST_CASE("pings, clocks and missions are answered to who asked, on his link alo
   s.tick();
   const std::int64_t read_us = s.now_us;
   s.ask(link::Ping{123, 9, {}}, 1);
-  s.ask(link::Ping{123, 10, {255, 190}}, 1);  // an answer, and not ours
+  s.ask(link::Ping{123, 10, {255, 190}}, 1);  // an answer, not a request to us
   s.ask(link::Timesync{0, 42}, 1);
   s.ask(link::MissionRequestList{{1, 1}, 1}, 1);
   s.ask(link::MissionRequestList{{1, 1}, 0}, 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who may command a vehicle, and what is meant for others.
+// Rights to command a vehicle, and messages addressed to others.
 #include <array>
 
 #include "app/operator/ship.hpp"
@@ -33,7 +33,7 @@ TEST_CASE("where one ground station commands, no other does; all may read and st
   CHECK(s.all<link::CommandAck>().empty());
   std::size_t errors = s.all<link::ParamError>().size();
   for (const auto& r : s.heard[0]) errors += std::holds_alternative<std::monostate>(r.message);
-  CHECK(errors >= 1);  // PARAM_ERROR is none of what we read
+  CHECK(errors >= 1);  // boats do not read PARAM_ERROR
   CHECK(s.values("FORM_OFS_N").size() <= 1);
   CHECK(s.state() == State::kFormation);
   CHECK(s.vehicle->parameters().FORM_OFS_N == 0);
@@ -48,7 +48,7 @@ TEST_CASE("where one ground station commands, no other does; all may read and st
   CHECK(s.state() == State::kDisarmed);
 }
 
-/// Asks for a mode by a command, first sent or sent again.
+/// Requests a mode by a command, sent for the first time or repeated.
 void ask_mode(Ship& s, link::MavlinkEncoder& who, float mode, std::size_t link,
               std::uint8_t confirmation = 0) {
   s.hear(who, link::CommandLong{mav::kCmdDoSetMode, {1, mode, 0, 0, 0, 0, 0}, {1, 1}, confirmation},
@@ -305,7 +305,7 @@ TEST_CASE("another sender under our ids is reported every ten seconds; our own e
       }
     }
   };
-  for (int k = 0; k < 2500; ++k) {  // what link 0 sends comes back on link 1
+  for (int k = 0; k < 2500; ++k) {  // link 0's output comes back on link 1
     s.tick();
     count();
     const auto out = s.links.bytes(0);

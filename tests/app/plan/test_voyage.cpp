@@ -75,7 +75,7 @@ struct Sea {
     for (int n = static_cast<int>(seconds / kTick_s); n > 0 && voyage.is_on(); --n) step();
   }
 
-  /// To that step's first tick.
+  /// Sails to the first tick of that step.
   bool sail_to(std::size_t number) {
     for (int n = 0; n < 300'000 && voyage.is_on(); ++n) {
       step();
@@ -117,7 +117,7 @@ TEST_CASE(
     CHECK(std::abs(step.port) <= 100);
     CHECK(std::abs(step.stbd) <= 100);
     if (step.manoeuvre == kStraight) courses.insert(step.eighths_turn);
-    // Whatever turns to one side has its twin on the other.
+    // Each turn to one side has its mirror image to the other.
     const auto twin = [&](const VoyageStep& other) {
       return other.manoeuvre == step.manoeuvre && other.port == step.stbd &&
              other.stbd == step.port;
@@ -203,7 +203,7 @@ TEST_CASE("the random sequence is as long as its 63 words and has as many sides,
   const auto a = std::ranges::count(sides, 'a');
   CHECK(a >= 30);
   CHECK(a <= 33);
-  // Runs of six: every window of six seconds comes once only.
+  // Each window of six seconds occurs only once.
   std::set<std::string> windows;
   for (std::size_t n = 0; n + 6 <= sides.size(); ++n) windows.insert(sides.substr(n, 6));
   CHECK(windows.size() == sides.size() - 5);

@@ -57,7 +57,7 @@ TEST_CASE("an ESC is online while its status is fresh and its node is well") {
   link::Counters counters;
   Esc esc{30, 1};
   esc.status(node, 0, counters);
-  CHECK_FALSE(node.esc_online(1, 0, kLimit_us));  // its node has not said how it is
+  CHECK_FALSE(node.esc_online(1, 0, kLimit_us));  // its NodeStatus is missing
   esc.health(node, 0, 0, counters);
   CHECK(node.esc_online(1, 0, kLimit_us));
   CHECK_FALSE(node.esc_online(0, 0, kLimit_us));
@@ -173,7 +173,7 @@ TEST_CASE("a stop on the bus is pressed while it says so, and where a safety swi
   CHECK(node.stop_pressed(62'000'001));
   const std::array<std::uint8_t, 2> off{255, tail};
   node.on_frame(0x1000003DU | safety << 8U, off, 62'000'000, counters);
-  CHECK(node.stop_pressed(62'000'001));  // another switch that is off stands for itself alone
+  CHECK(node.stop_pressed(62'000'001));  // another switch that is off counts for itself only
 }
 
 TEST_CASE("any frames crash nothing and put no ESC online") {

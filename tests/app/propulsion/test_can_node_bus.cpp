@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat's node among others that want the same, reboot, or say what makes no sense.
+// A boat's node on a bus with nodes that claim the same role, reboot, or send nonsense.
 #include <doctest/doctest.h>
 
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// ESCs that drive though they were told to stand still.
+// ESCs that drive while commanded to stop.
 #include <doctest/doctest.h>
 
 #include <limits>
@@ -40,8 +40,8 @@ struct Bus {
     }
   }
 
-  /// The port ESC, index 0, says what it does; the other one is at rest. Seconds until they are
-  /// found not to obey, or −1.
+  /// The port ESC, index 0, reports its state; the other one is at rest. Seconds until the ESCs
+  /// count as disobedient, or −1.
   double run(double seconds) {
     const std::int64_t begin_us = now_us;
     while (now_us < begin_us + static_cast<std::int64_t>(seconds * 1e6)) {
@@ -82,7 +82,7 @@ TEST_CASE("an ESC that drives while disarmed is found out within a second") {
   const double after_s = bus.run(3);
   CHECK(after_s >= 0.45);
   CHECK(after_s <= 1.0);
-  // Whatever the command says: a disarmed ESC is told nothing else than to stand still.
+  // A disarmed ESC is commanded to stop, whatever the raw command is.
   Bus told;
   told.port_command = 4000;
   told.power_pct = 50;
@@ -103,7 +103,7 @@ TEST_CASE("an ESC that is told to turn may, and has a second to stop when it is 
 }
 
 TEST_CASE("a propeller that water turns runs down, one that goes on for five seconds is driven") {
-  for (const std::int32_t rpm : {2000, -2000}) {  // the sign is not to be trusted
+  for (const std::int32_t rpm : {2000, -2000}) {  // the sign is unreliable
     Bus bus;
     bus.armed = true;
     bus.port_command = 4000;

@@ -10,7 +10,8 @@
 namespace flotilla::core {
 namespace {
 
-/// A boat that turns under a moment, half off its model, and a unit that tells its yaw rate late.
+/// A boat that turns under a moment, with a model that is wrong by half, and a unit that sends its
+/// yaw rate late.
 struct Turning {
   double tau_s, period_s;
   double share = 1, damping = 2.4;  ///< of the moment; of the true boat
@@ -31,7 +32,7 @@ struct Turning {
     latency_correct(params, state, static_cast<float>(told), 0.0F, static_cast<float>(period_s));
   }
 
-  /// As a law does: the moment follows a course that changes, and trembles.
+  /// A moment like the law's: it follows a course that changes, with noise.
   void sail(double seconds) {
     double tremble = 0;
     for (int i = 0; i < std::lround(100 * seconds); ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat's own motion at and between its fixes; test_observer_learning.cpp: what they teach.
+// The boat's own motion at and between its fixes; test_observer_learning.cpp: estimates from the
+// fixes.
 #include "core/piloted_boat.hpp"
 
 namespace flotilla::core {
@@ -10,7 +11,7 @@ using testing::Random;
 
 constexpr std::uint32_t kSeed = 41;
 
-/// Fixes as they are, no unknown forces.
+/// Fixes are taken unfiltered; unknown forces are not estimated.
 template <class S>
 ObserverParams<S> raw() {
   return {};
@@ -72,7 +73,7 @@ TEST_CASE_TEMPLATE("a boat knows its acceleration, at a fix as between two", S, 
   Observer<S> state;
   const Fix<S> fix{{}, S(0.3), {S(0.2), S(0.05), S(0.1)}, S(0), S(0)};
   observer_correct(raw<S>(), vessel, state, fix);
-  // 0.0401: the last of the steps is so short that a difference over it is all rounding.
+  // 0.0401: the last step is so short that a difference over it consists of rounding errors.
   for (const double time : {0.01, 0.0401}) {
     const Nu<S> before = state.motion.nu;
     observer_forward(vessel, state, tau, S(time));
@@ -95,7 +96,7 @@ TEST_CASE_TEMPLATE("an old fix is carried forward to now", S, float, double) {
   observer_correct(raw<S>(), vessel, at_once,
                    Fix<S>{{}, S(0.3), {S(0.5), S(0), S(0.1)}, S(0), S(0)});
   observer_forward(vessel, at_once, tau, S(0.1));
-  observer_forward(vessel, late, tau, S(0.1));  // from where it did not know what it does
+  observer_forward(vessel, late, tau, S(0.1));  // from an unknown motion
   observer_correct(raw<S>(), vessel, late,
                    Fix<S>{{}, S(0.3), {S(0.5), S(0), S(0.1)}, S(0.1), S(0)});
   CHECK(late.motion.moved_n.x == at_once.motion.moved_n.x);
@@ -135,7 +136,7 @@ TEST_CASE_TEMPLATE("the first fix, and one after a gap, is believed as it is", S
   CHECK(state.b.u == S(0));
   CHECK(state.b.v == S(0));
   CHECK(state.b.r == S(0));
-  CHECK(state.c_n.x == S(0.1));  // the water goes on
+  CHECK(state.c_n.x == S(0.1));  // the current remains
 }
 
 TEST_CASE_TEMPLATE("in a current the boat is where the water and its thrust take it", S, float,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the boat's fixes teach it of the water.
+// The estimate of the current from the boat's fixes.
 #include "core/watched_boat.hpp"
 
 namespace flotilla::core {
@@ -58,7 +58,7 @@ TEST_CASE_TEMPLATE("a boat that assumes still water finds no current", S, float,
     REQUIRE(boat.state.c_n.x == S(0));
     REQUIRE(boat.state.c_n.y == S(0));
   }
-  CHECK(std::abs(boat.unknown().X) > 0.1);  // it takes it for a force
+  CHECK(std::abs(boat.unknown().X) > 0.1);  // the boat takes the current for a force
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fixes that come late: what was given since they were true, and the loop that is closed with them.
+// Late fixes: prediction by the wrenches given since, and the loop that is closed with them.
 #include "core/piloted_boat.hpp"
 
 namespace flotilla::core {
@@ -8,10 +8,10 @@ namespace {
 using testing::Hull;
 using testing::PilotedBoat;
 
-/// A wrench that has changed well within any age.
+/// A wrench that changes quickly compared with any age.
 Tau<double> restless(double t) { return {4 + 4 * std::sin(9 * t), 0.8 * std::cos(7 * t)}; }
 
-/// Where the boat thinks it is after a fix of this age, less where it is: m, m, rad, m/s, m/s, rad/s.
+/// Error of the estimate after a fix of this age: m, m, rad, m/s, m/s, rad/s.
 template <class S>
 std::array<double, 6> mistake(double h, double age, double seconds, const testing::Thrusting& said,
                               const testing::Thrusting& done) {
@@ -52,7 +52,7 @@ TEST_CASE_TEMPLATE("a late fix and the wrenches given since are the boat's true 
       const double off = largest(mistake<S>(h, age, 2.03, restless, restless));
       CAPTURE(off);
       CHECK(off < 0.03);
-      // As if the last wrench had been given all the time.
+      // A prediction as if the last wrench had been given all the time is worse.
       const auto last = [](double) { return restless(2.03); };
       const double naive = largest(mistake<S>(h, age, 2.03, last, restless));
       CAPTURE(naive);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the boat's fixes teach it of unknown forces; test_observer_current.cpp: of the water.
+// The estimate of unknown forces from the boat's fixes; test_observer_current.cpp: of the current.
 #include "core/watched_boat.hpp"
 
 namespace flotilla::core {
@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("what weak propellers cannot give is not taken for a force of
     REQUIRE(std::abs(given.unknown().N) < 0.8);
     wound_up = std::max(wound_up, std::abs(deceived.unknown().X));
   }
-  CHECK(wound_up > 19.9);  // its limit: what would have come of the wrench that was asked for
+  CHECK(wound_up > 19.9);  // the limit; it is reached with the wrench before allocation
 }
 
 TEST_CASE_TEMPLATE("no fix, however absurd, makes the sea or its current greater than they can be",

@@ -13,10 +13,10 @@ namespace {
 
 using testing::Hull;
 
-/// Of the thrust to port and to starboard, what is given.
+/// Shares of the port and starboard thrust that are given.
 using Shares = std::vector<std::pair<double, double>>;
 
-/// What acts on the hull beside its propellers, and what they make of a command.
+/// Disturbances of the hull, and the propellers' response to a command.
 struct Sailing {
   double port = 1, stbd = 1;     ///< of the thrust asked for, from `from` on
   double from = 10, until = 30;  ///< s
@@ -24,8 +24,8 @@ struct Sailing {
   double noise = 0;              ///< of a force and moment, for 10 ms
 };
 
-/// A hull that keeps 0.6 m/s and its heading by a plain loop; after how long from the fault on it is
-/// seen not to answer, s, or −1; −2 before it.
+/// A hull that keeps 0.6 m/s and its heading by a simple loop. Time from the fault until it counts
+/// as not responding, s; −1: never; −2: before the fault.
 template <class S>
 double not_answering_after(const Sailing& how) {
   std::mt19937 engine(7);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a vessel is between its messages; test_track_messages.cpp: what the messages make of it.
+// Prediction of a vessel between its messages; test_track_messages.cpp: updates by messages.
 #include "core/arbitrary.hpp"
 #include "core/estimation/track.hpp"
 
@@ -122,7 +122,7 @@ TEST_CASE_TEMPLATE("the older the message, the less it says where the leader is"
       CHECK(sigma == approx(S(speed * t + double(state.a) * age * age / 2), 100));
       last = sigma;
     }
-    // A clock that is off by t shifts the vessel by the way that it makes meanwhile.
+    // A clock error t shifts the vessel by the distance that it covers in that time.
     const S clock = track_uncertainty(state, S(1), S(t)) - track_uncertainty(state, S(1), S(0));
     CHECK(clock == approx(S(speed * t), 5));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What messages, however they come, make of a vessel's track.
+// Updates of a vessel's track by messages at any times.
 #include "core/closed_loop.hpp"
 #include "core/estimation/track.hpp"
 
@@ -62,7 +62,7 @@ TEST_CASE_TEMPLATE("a leader's leap in speed is forgotten as the three poles say
     INFO("a message each ", dt, " s");
     const double T = std::min(double(params.T), 4 * dt), T_j = double(params.T_j);
     const double rho = T / (T + dt), rho_j = T_j / (T_j + dt);
-    // What is foreseen wrongly is Z⁻¹ of z (z − 1)² / ((z − ρ)² (z − ρ_j)).
+    // The prediction error is Z⁻¹ of z (z − 1)² / ((z − ρ)² (z − ρ_j)).
     const double A = std::pow((1 - rho_j) / (rho - rho_j), 2), B = 1 - A;
     const double C = (1 - rho) * (1 - rho) / (rho - rho_j);
     TrackState<S> state;
@@ -177,14 +177,14 @@ TEST_CASE_TEMPLATE("a leader that surprises may be farther off than one that sai
   }
   CHECK(steady.a == TrackParams<S>{}.a_min);
   CHECK(track_uncertainty(wild, S(1), S(0)) > S(5) * track_uncertainty(steady, S(1), S(0)));
-  // A turn that was not foreseen takes a vessel aside as well.
+  // An unpredicted turn also displaces a vessel.
   TrackState<S> turning = steady;
   track_update(TrackParams<S>{}, turning, {S(0), {S(1), S(0), S(0.8)}, S(0.2)});
   CHECK(turning.a > S(2) * steady.a);
   for (int k = 0; k < 50; ++k) {
     track_update(TrackParams<S>{}, wild, {S(0), {S(1), S(0), S(0)}, S(0.2)});
   }
-  CHECK(wild.a == TrackParams<S>{}.a_min);  // and it is trusted again
+  CHECK(wild.a == TrackParams<S>{}.a_min);  // it counts as steady again
 }
 
 TEST_CASE_TEMPLATE("behind the S-curve the leader is never farther off than it may be", S, float,

@@ -8,8 +8,8 @@ namespace {
 
 using testing::Random;
 
-/// How far the speed foreseen is from the true 1 m/s at worst, with σ 0.02 m/s at 10 Hz, where each
-/// tenth message is followed by others a millisecond apart.
+/// Largest error of the predicted speed (true: 1 m/s), with σ 0.02 m/s at 10 Hz; each tenth message
+/// is followed by others a millisecond apart.
 template <class S>
 double worst_of_bursts(int in_burst, std::uint32_t seed) {
   Random random(seed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All of core in fixed point: it compiles, sails as in doubles, and says where it cannot.
+// All of core in fixed point: it compiles, sails as in double, and reports overflow.
 #include "core/coast.hpp"
 #include "core/estimation/plausibility.hpp"
 #include "core/estimation/thrust_response.hpp"

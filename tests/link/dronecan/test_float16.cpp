@@ -9,7 +9,7 @@
 namespace flotilla::link {
 namespace {
 
-/// What 16 bits mean, by the definition of IEEE 754.
+/// The value of 16 bits, by the definition of IEEE 754.
 double meaning_of(unsigned h) {
   const int exponent = static_cast<int>(h >> 10U & 0x1FU);
   const double fraction = h & 0x3FFU;

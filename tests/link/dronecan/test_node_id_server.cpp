@@ -14,7 +14,7 @@ NodeIdServer::UniqueId unique(std::uint8_t seed) {
   return id;
 }
 
-/// The three requests of a node, 10 ms apart; the last answer.
+/// Sends the three requests of a node, 10 ms apart; returns the last answer.
 std::optional<Allocation> ask(NodeIdServer& server, const NodeIdServer::UniqueId& id,
                               std::uint8_t wish = 0) {
   std::optional<Allocation> answer;

@@ -14,7 +14,7 @@ namespace {
 using vectors::Bytes;
 using vectors::bytes_of;
 
-/// Pushes frames of one id at one instant; the transfers that they complete.
+/// Pushes frames of one id at one instant; returns the transfers that they complete.
 std::vector<Bytes> deliver(TransferReceiver& receiver, std::uint32_t can_id,
                            std::uint64_t signature, const std::vector<Bytes>& frames,
                            std::int64_t now_us = 0) {

@@ -9,7 +9,7 @@
 namespace flotilla::link {
 namespace {
 
-/// As the protocol has it, bit by bit.
+/// The checksum bit by bit, as the protocol defines it.
 std::uint16_t plain_crc(const std::vector<std::uint8_t>& bytes) {
   unsigned crc = 0xFFFF;
   for (const unsigned byte : bytes) {

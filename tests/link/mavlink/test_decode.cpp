@@ -21,7 +21,7 @@ Bytes operator+(Bytes a, const Bytes& b) {
   return a;
 }
 
-/// How many of these messages are that one, as a boat gets it.
+/// Number of these messages that equal that one as a boat receives it.
 std::size_t count_of(const std::vector<Received>& got, const Message& message) {
   const auto fields = fields_of(as_read(message));
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -72,8 +72,8 @@ TEST_CASE("many messages in one chunk arrive all, in their order") {
   CHECK(got == sent);
 }
 
-// But for one in some thousands: noise that ends like the header of a message unknown here, whose
-// end falls by chance on a start byte within the good one.
+// One in some thousands is an exception: noise that ends like the header of a message unknown here,
+// whose end falls by chance on a start byte within the good message.
 TEST_CASE("whatever noise comes before a good message, it is delivered") {
   constexpr std::uint32_t kSeed = 45;
   INFO("seed ", kSeed);
@@ -100,9 +100,10 @@ TEST_CASE("whatever noise comes before a good message, it is delivered") {
   CHECK(lost <= 1);
 }
 
-// A broken header may look like one of a message that our dialect lacks, whose end falls by chance
-// on a start byte: what lies in between is then lost, never what comes a longest frame later. And
-// one that lacks its last byte only is whole again with the next one's first, if they are equal.
+// A broken header may look like that of a message outside our dialect, whose end falls by chance on
+// a start byte. The bytes in between are then lost, but never those after the longest possible
+// frame. A frame that lacks only its last byte is whole again with the next frame's first byte, if
+// the two are equal.
 TEST_CASE("a message that breaks off takes hardly any of those after it down with it") {
   constexpr std::uint32_t kSeed = 46;
   INFO("seed ", kSeed);
@@ -134,7 +135,7 @@ TEST_CASE("a message that breaks off takes hardly any of those after it down wit
   CHECK(lost <= tried / 100);
 }
 
-/// As a host does that knows that nothing more will come.
+/// Decodes as a host does that knows that no more bytes will come.
 std::vector<Received> give_up(MavlinkDecoder& decoder, Counters& counters) {
   std::vector<Received> out;
   while (decoder.has_bytes()) {
@@ -146,7 +147,7 @@ std::vector<Received> give_up(MavlinkDecoder& decoder, Counters& counters) {
   return out;
 }
 
-/// Whether nothing in there, but the first byte, can be taken for the beginning of a message.
+/// Whether no byte except the first can be mistaken for the beginning of a message.
 bool is_plain(std::span<const std::uint8_t> frame) {
   return std::ranges::none_of(frame.subspan(1), [](auto b) { return b == 0xFD || b == 0xFE; });
 }
@@ -182,8 +183,9 @@ TEST_CASE("behind a message that breaks off, all are found once it is given up, 
   CHECK(tried > 900);
 }
 
-// A header of a message that our dialect lacks, made of what broke off and of what follows, may end
-// well, with the datagram too: what lies in between is lost, as it would be without giving up.
+// The cut-off bytes and those after them may form a header of a message outside our dialect whose
+// end fits, even that of the datagram. The bytes in between are then lost, as they would be without
+// giving up.
 TEST_CASE("broken off within its header, a message costs hardly any of those behind it") {
   constexpr std::uint32_t kSeed = 51;
   INFO("seed ", kSeed);
@@ -274,7 +276,7 @@ TEST_CASE(
       decoder.give_up(counters);
       read();
     }
-    // What was taken for messages of another dialect is neither.
+    // Frames taken for messages of another dialect count as neither.
     REQUIRE(in_frames + counters.mavlink_skipped_bytes <= bytes);
     if (counters.mavlink_unknown == 0) REQUIRE(in_frames + counters.mavlink_skipped_bytes == bytes);
   }

@@ -311,7 +311,7 @@ TEST_CASE("requests in a row are answered in their order; of too many some are n
   CHECK(client.error(kRead, 0, {}, 0, 9) == 0);
 }
 
-/// Bursts, then reads what is missing, until it has all; any packet may be lost.
+/// Bursts, then reads the missing parts until the file is complete; any packet may be lost.
 std::string download_over_bad_radio(Harbour& harbour, Client& client, std::uint32_t seed,
                                     auto&& others) {
   std::mt19937 random(seed);

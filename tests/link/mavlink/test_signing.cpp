@@ -38,7 +38,7 @@ struct Keyed : Room, Signing {
   Keyed& operator=(const Keyed&) = delete;
 };
 
-/// Somebody who signs heartbeats.
+/// A sender that signs heartbeats.
 struct Sender {
   Address self{1, 190};
   std::uint8_t link_id = 7;
@@ -206,7 +206,7 @@ TEST_CASE("what is exempt counts at any age, but once, and nothing older than it
     CHECK_FALSE(boat.take_exemption(frame, beat));
     CHECK_FALSE(boat.take_exemption(Sender{{1, 1}}.frame(at - 1), beat));
   }
-  CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);  // nobody is shut out by it
+  CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);  // this shuts out no sender
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 1)) == kGood);
   CHECK_FALSE(Keyed().take_exemption(Sender{{1, 1}}.frame(kNow), beat));
   CHECK(boat.timestamp() == kNow);
@@ -290,7 +290,7 @@ TEST_CASE(
       REQUIRE(boat.check(fast.frame(clock + 59 * kSecond + k)) == kGood);
     }
     CHECK(boat.timestamp() == clock);
-    // Those who have not been heard before, whose clock is right or as much behind.
+    // Senders not heard before, whose clock is right or slow by the same time.
     const auto system = static_cast<std::uint8_t>(1 + minute);
     CHECK(boat.check(Sender{{system, 1}}.frame(clock)) == kGood);
     CHECK(boat.check(Sender{{system, 2}}.frame(clock - 59 * kSecond)) == kGood);
@@ -316,7 +316,7 @@ TEST_CASE("beside a station 59 s ahead, every other boat believes what we send, 
       const Bytes ours = sent_by(boat, links[link], link);
       REQUIRE(second.check(ours) == kGood);
       REQUIRE(slow.check(ours) == kGood);
-      Keyed newcomer(clock);  // that hears both for the first time
+      Keyed newcomer(clock);  // hears both for the first time
       REQUIRE(newcomer.check(fasts) == kGood);
       REQUIRE(newcomer.check(ours) == kGood);
     }
@@ -355,7 +355,7 @@ TEST_CASE("a restart makes no recorded message valid again, and a sender is obey
   boat.start(counting_key(), kNow + 2 * kSecond, kNow + kSecond);
   for (std::uint64_t s = 0; s < 59; ++s) CHECK(boat.check(sender.frame(kNow + s)) == kStale);
   CHECK(boat.check(Sender{{1, 190}, 8}.frame(kNow + kSecond)) == kStale);  // on no other link
-  // A stop is obeyed at any age, but lets in nothing else that is old.
+  // A stop is obeyed at any age, but admits no other old message.
   CHECK(boat.take_exemption(sender.frame(kNow - kDay), Heartbeat{}));
   CHECK(boat.check(sender.frame(kNow + 58)) == kStale);
   CHECK(boat.check(sender.frame(kNow + kSecond + 1)) == kGood);
@@ -424,7 +424,7 @@ TEST_CASE("a second start forgets the senders and follows the new key") {
   CHECK(boat.check(Sender().frame(kNow + 5, counting_key(1))) == kGood);
 }
 
-// The decoder and the encoder with it.
+// Decoder and encoder with signing.
 
 struct Link {
   MavlinkDecoder decoder;

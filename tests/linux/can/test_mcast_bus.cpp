@@ -35,13 +35,13 @@ bool next(CanBus& bus, link::CanFrame& frame) {
   return true;
 }
 
-/// Another run of these tests on this machine would speak on the same buses.
+/// Another run of these tests on this machine would send on the same buses.
 struct QuietBuses {
   FileDescriptor lock{::open("/tmp/flotilla-mcast-tests.lock", O_CREAT | O_RDWR | O_CLOEXEC, 0666)};
   QuietBuses() { ::flock(lock.get(), LOCK_EX); }
 };
 
-/// Somebody else's plain UDP sockets on the bus.
+/// Another program's plain UDP sockets on the bus.
 class Wire {
  public:
   struct Datagram {
@@ -132,7 +132,7 @@ void check_same(const link::CanFrame& got, const link::CanFrame& expected) {
   CHECK(got.data == expected.data);
 }
 
-/// The next frame on `bus` is this one: whatever was sent before it did not come.
+/// Checks that the next frame on `bus` is this one, so that no earlier one arrived.
 void check_next(CanBus& bus, const link::CanFrame& expected) {
   link::CanFrame got;
   REQUIRE(next(bus, got));
@@ -243,7 +243,7 @@ TEST_CASE("a reader that is too slow learns how many frames the kernel threw awa
   }
   const std::uint64_t received = boat.counters().received;
   CHECK(received < kSent);
-  CHECK(boat.counters().receive_overflows == 0);  // the next frame brings the news
+  CHECK(boat.counters().receive_overflows == 0);  // the next frame brings the count
   send_and_see();
   REQUIRE(next(boat, frame));
   CHECK(boat.counters().receive_overflows == kSent - received);

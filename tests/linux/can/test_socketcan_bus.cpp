@@ -74,7 +74,7 @@ class Peer {
   FileDescriptor socket_{::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW)};
 };
 
-/// vcan1 is there, up, with an empty queue, whatever a test before did to it.
+/// vcan1 exists and is up, with an empty queue, regardless of earlier tests.
 struct Interface {
   Interface() {
     if (if_nametoindex(kInterface.c_str()) != 0) shell("ip link delete " + kInterface);
@@ -104,7 +104,7 @@ bool next(CanBus& bus, link::CanFrame& frame) {
   return true;
 }
 
-/// Reads until `counter` has become 1 more than it is.
+/// Reads until `counter` has increased by 1.
 bool await(SocketCanBus& bus, const std::uint64_t& counter) {
   const std::uint64_t desired = counter + 1;
   link::CanFrame frame;
@@ -212,7 +212,7 @@ TEST_CASE("bus-off without news of a restart: a frame received later ends it, an
   Peer peer;
   link::CanFrame frame;
   REQUIRE(peer.send(CAN_ERR_FLAG | CAN_ERR_BUSOFF));
-  REQUIRE(peer.send(kNodeStatusOf21));  // was in the controller already
+  REQUIRE(peer.send(kNodeStatusOf21));  // was already in the controller
   REQUIRE(next(boat, frame));
   boat.maintain();
   boat.maintain();
@@ -443,7 +443,7 @@ TEST_CASE("a reader that is too slow learns how many frames the kernel threw awa
   CHECK(received > 100);
   CHECK(received < kSent);
   for (int i = 0; i < 2; ++i) {
-    send_and_see();  // brings the news, or none
+    send_and_see();  // receives the report, if there is one
     REQUIRE(boat.receive(frame));
     CHECK(boat.counters().receive_overflows == kSent - received);
   }

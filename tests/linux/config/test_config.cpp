@@ -42,7 +42,7 @@ struct File {
     options.insert(options.begin(), {"--config", path.c_str()});
     return target::good(options);
   }
-  /// What the mistake says behind "flotillad: …/boat.toml".
+  /// The error message after "flotillad: …/boat.toml".
   std::string mistake() const {
     const std::string text = target::mistake({"--config", path.c_str()});
     const std::string start = "flotillad: " + path;

@@ -357,13 +357,13 @@ TEST_CASE(
     CHECK(loaded.notes.empty());
     CHECK(load_parameters(boat.previous).source == ParameterSource::kFile);
 
-    // The disk loses the file on top of it: still no defaults.
+    // Then the disk also loses the file: still no defaults.
     std::filesystem::remove(boat.file);
     const auto without = load_parameters(boat.file);
     CHECK(without.source == ParameterSource::kPrevious);
     CHECK(said(without, "parameters.txt is missing"));
 
-    // And the next save goes through over whatever was left.
+    // The next save succeeds, whatever files were left.
     REQUIRE_FALSE(save_parameters(boat.file, with_kx(1), {}));
     CHECK(load_parameters(boat.file).values.LAW_KX == 1);
     CHECK(load_parameters(boat.previous).source == ParameterSource::kFile);

@@ -46,7 +46,7 @@ TEST_CASE("values are saved behind the loop's back and the outcome is told once"
 
 TEST_CASE("a disk that hangs keeps nobody waiting, and the next save comes after it") {
   Scratch folder;
-  // A pipe without a reader: open() waits, as a dying disk does.
+  // A pipe without a reader: open() waits, as on a failing disk.
   const auto pipe = folder / "p.new";
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
   ParameterSaver saver(folder / "p", {});

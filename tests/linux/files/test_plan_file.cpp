@@ -25,7 +25,7 @@ std::vector<app::PlanItem> plan() {
   return items;
 }
 
-/// Each file, and how its lack is called.
+/// Each file, and the text if it is missing.
 struct Named {
   const char* file;
   std::string lack;

@@ -50,7 +50,7 @@ struct TlogEntry {
   Bytes packet;
 };
 
-/// Fails where anything but whole records is in the file.
+/// Fails if the file contains anything but whole records.
 std::vector<TlogEntry> read_tlog(const std::filesystem::path& path) {
   const std::string text = content(path);
   std::vector<TlogEntry> entries;
@@ -164,7 +164,7 @@ TEST_CASE("noise between packets stays out of the log, MAVLink 1 does not") {
   CHECK(packets == std::vector<Bytes>{packet(3, 5), v1, packet(0, 0)});
 }
 
-/// As pymavlink packs SETUP_SIGNING for 1/1 with the key 0x11 … 0x11, unsigned.
+/// SETUP_SIGNING for 1/1 with the key 0x11 … 0x11, unsigned, as pymavlink packs it.
 Bytes setup_signing(bool is_signed) {
   Bytes p{0xFD, 42, static_cast<std::uint8_t>(is_signed), 0, 0, 255, 190, 0, 1, 0};
   p.insert(p.end(), 8, 0);
@@ -287,7 +287,7 @@ TEST_CASE("a directory that cannot be written to: said once, counted, the boat s
   CHECK(soon([&] { return logs.counters().lost == 2; }));
   CHECK_FALSE(logs.error());
 
-  // Somebody mends it: logging is there again.
+  // The fault is repaired: logging continues.
   std::filesystem::remove(folder / "file");
   CHECK(soon([&] {
     logs.can(frame(1, {2}), kTime_us);
@@ -348,7 +348,7 @@ TEST_CASE("a disk that fills up in the middle of a record leaves whole records b
       file.flush();
     }
   }
-  CHECK(files(folder.path(), ".tlog").size() == 1);  // no heap of empty files
+  CHECK(files(folder.path(), ".tlog").size() == 1);  // no collection of empty files
   file.try_again();
   file.append(record);
   file.close();

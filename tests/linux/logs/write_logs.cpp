@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// write_logs DIR: what a boat says in ten seconds, into logs in DIR; for test_logs.py to read.
+// write_logs DIR: writes a boat's output of ten seconds to logs in DIR, for test_logs.py.
 #include <array>
 #include <cstdio>
 

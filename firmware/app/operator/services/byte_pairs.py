@@ -6,12 +6,12 @@ from collections import Counter
 from itertools import pairwise
 from typing import NamedTuple
 
-PAGE, DEPTH = 512, 32  # as link/mavlink/packed_text.hpp has them
+PAGE, DEPTH = 512, 32  # as in link/mavlink/packed_text.hpp
 WORTH = 3  # a pair costs two bytes, its second use saves one
 
 
 class Packed(NamedTuple):
-    """Packed bytes, where each page begins in them, and what each of 256 bytes stands for."""
+    """Packed bytes, the start of each page in them, and the meaning of each of 256 bytes."""
 
     data: bytes
     pages: list[int]

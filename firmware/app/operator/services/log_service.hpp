@@ -50,8 +50,8 @@ class LogService {
   void open() { open_ = true; }
 
   void list(std::size_t link, const link::LogRequestList& asked);
-  /// Takes a request for bytes. Returns, for the operator, why none will come; empty: they will. A
-  /// client may ask for all its gaps at once.
+  /// Takes a request for bytes. Returns the reason for a refusal, for the operator; empty: the
+  /// bytes will be sent. A client may request all its gaps at once.
   std::string_view read(std::size_t link, const link::LogRequestData& asked);
   void end(std::size_t link);
 

@@ -107,7 +107,8 @@ class MissionService {
   /// of date if the boat moves: then call forget_way().
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
   void forget_way() { way_why_ = {}; }
-  /// The plan keeps the fence. While the plan is sailed, an unfinished judgement does not stop it.
+  /// The plan respects the fence. While the plan is sailed, an unfinished judgement does not stop
+  /// it.
   bool plan_keeps_fence(bool in_auto) const;
   /// Why not, for the operator; empty: it does, or there is no plan.
   std::string_view plan_trouble() const {

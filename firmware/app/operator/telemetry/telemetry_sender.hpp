@@ -22,7 +22,7 @@ namespace flotilla::app {
 
 class TelemetrySender {
  public:
-  /// Where it finds what to send. All must outlive this object.
+  /// Sources of the data to send. All must outlive this object.
   struct Sources {
     const Report& report;
     const Parameters& parameters;
@@ -40,8 +40,8 @@ class TelemetrySender {
 
   void begin(std::int64_t now_us);
 
-  /// Sets the origin of the positions that we send, and announces it if it has changed, which is
-  /// then the result: followers need it to convert our positions.
+  /// Sets the origin of the positions that we send. Returns whether it has changed; if so, it is
+  /// announced, because followers need it to convert our positions.
   bool locate(const link::GpsGlobalOrigin& origin);
   bool is_located() const { return origin_.has_value(); }
 

@@ -15,7 +15,7 @@
 namespace flotilla::app {
 namespace {
 
-/// Bit by bit, as the polynomial division is written.
+/// CRC bit by bit, by polynomial division.
 std::uint32_t crc_of(std::string_view bytes) {
   std::uint32_t crc = 0;
   for (const char c : bytes) {

@@ -14,7 +14,7 @@ namespace {
 namespace mav = link::mav;
 const link::GpsGlobalOrigin kOrigin{410'000'000, 20'000'000, 0, 0};
 
-/// About so many metres from the origin.
+/// An item at about these metres from the origin.
 convert::GlobalPoint point(double north_m, double east_m) {
   return {kOrigin.latitude + static_cast<std::int32_t>(std::lround(north_m / 0.01111)),
           kOrigin.longitude + static_cast<std::int32_t>(std::lround(east_m / 0.0084))};

@@ -22,7 +22,7 @@ using Outcome = SetResult::Outcome;
 constexpr link::Address kOperator{255, 190};
 constexpr std::size_t kHere = 1, kElsewhere = 3;  // links
 
-/// As clients do it: at most 16 characters, no NUL behind the 16th.
+/// A name as clients send it: at most 16 characters, no NUL after the 16th.
 link::Text<16> name_of(const std::string& name) {
   link::Text<16> text{};
   std::strncpy(text.data(), name.c_str(), text.size());
@@ -33,7 +33,7 @@ std::string name_in(const link::Text<16>& text) {
   return {text.data(), ::strnlen(text.data(), text.size())};
 }
 
-/// A boat's parameters and what its links heard.
+/// A boat's parameters, and the messages received on its links.
 struct Boat {
   std::array<ParameterService::Owed, 4> room;
   ParameterService service{room};
@@ -58,7 +58,7 @@ struct Boat {
   }
 };
 
-/// A value of that parameter in force, with its true index and count.
+/// Whether the message has the parameter's value in force, its index and the count.
 void check_value(const link::Message& message, const Boat& boat, const ParameterInfo& info) {
   const auto* value = std::get_if<link::ParamValue>(&message);
   REQUIRE(value);
@@ -78,7 +78,7 @@ void check_error(const link::Message& message, const std::string& name, std::uin
   CHECK(int{error->error} == int{what});
 }
 
-/// Everybody hears the value in force, the operator the error before it.
+/// All links get the value in force; the operator gets the error before it.
 void check_refusal(Boat& boat, const ParameterInfo& info, std::uint8_t error) {
   const auto here = boat.heard(kHere), elsewhere = boat.heard(kElsewhere);
   REQUIRE(here.size() == 2);
@@ -119,7 +119,7 @@ TEST_CASE("any value that is allowed by itself and beside the others is taken an
       CHECK(result.sentence.text().empty());
       CHECK(boat.values.*info.member == value);
       check_answer_to_all(boat, info);
-      if (info.name == "MAV_GCS_SYSID") continue;  // it may have locked this operator out
+      if (info.name == "MAV_GCS_SYSID") continue;  // it may lock this operator out
       CHECK(boat.set(std::string(info.name), value).outcome == Outcome::kUnchanged);
       check_answer_to_all(boat, info);
     }
@@ -176,7 +176,7 @@ TEST_CASE("while armed only what may change at any time changes") {
   for (const ParameterInfo& info : kParameterList) {
     CAPTURE(std::string(info.name));
     Boat boat;
-    // half way to an end, where there is room
+    // halfway to a limit, if there is room
     const float to = info.default_value == info.greatest ? info.least : info.greatest;
     const float value = info.whole() ? to : (info.default_value + to) / 2;
     Parameters desired;
@@ -193,7 +193,7 @@ TEST_CASE("while armed only what may change at any time changes") {
       CHECK(boat.values.*info.member == info.default_value);
       check_refusal(boat, info, mav::kParamPermissionDenied);
     }
-    // A repeated set asks for nothing new.
+    // A repeated set changes nothing.
     CHECK(boat.set(std::string(info.name), boat.values.*info.member).outcome ==
           Outcome::kUnchanged);
   }
@@ -250,7 +250,7 @@ TEST_CASE("a stranger sets nothing where one ground station alone may command") 
 }
 
 TEST_CASE("no boat follows itself: not under the id that it took, nor under the one it will have") {
-  Boat companion;  // MAV_SYSID 1 is configured, 42 was taken of its autopilot
+  Boat companion;  // MAV_SYSID 1 is configured; the autopilot's id, 42, is in use
   companion.system = 42;
   CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kRefused);
   check_refusal(companion, *find_parameter("FORM_LEADER"), mav::kParamOutOfRange);
@@ -330,7 +330,7 @@ TEST_CASE("the value sent is the one in force then, not the one in force when it
   check_answer_to_all(boat, *find_parameter("LAW_KX"));
 }
 
-/// One message leaves per round, and `flood` comes before each; the rounds until `wanted` leaves.
+/// Number of rounds until a message is `desired`; one message is sent per round, after `flood`.
 template <class Flood, class Desired>
 int rounds_until(Boat& boat, Flood flood, Desired desired) {
   for (int round = 1; round <= 1000; ++round) {

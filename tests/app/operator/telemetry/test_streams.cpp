@@ -42,7 +42,7 @@ std::size_t index_of(std::uint16_t id) {
   return 0;
 }
 
-/// How many leave on that link from a steady tick.
+/// Number of messages sent on that link at a steady tick.
 std::int64_t sent(Streams& streams, std::size_t stream, std::size_t link, std::int64_t from_us,
                   std::int64_t for_us, std::int64_t tick_us = kTick_us) {
   std::int64_t count = 0;
@@ -268,10 +268,10 @@ TEST_CASE("that which is hurried leaves at once on every link that has it, and o
     CHECK(streams.schedule(mode, link).take_if_due(3 * kSecond_us));
   }
   CHECK_FALSE(streams.schedule(mode, 3).take_if_due(kSecond_us));
-  streams.make_due(9999);  // nothing of the kind
+  streams.make_due(9999);  // no such stream
 }
 
-/// What leaves on a link in 100 s, as a share of ten a second.
+/// Rate of messages on a link over 100 s, as a share of ten a second.
 struct Rates {
   RoomyStreams streams{Parameters{}, false, kTick_us};
   std::int64_t now_us = 0;

@@ -20,7 +20,7 @@ namespace mav = link::mav;
 
 constexpr link::GpsGlobalOrigin kOrigin{410'000'000, 20'000'000, 0, 0};
 
-/// Everything is known.
+/// A report in which every value is known.
 Report full() {
   Report r;
   r.now_us = 12'345'678;
@@ -79,7 +79,7 @@ std::uint32_t id_on_the_wire(const link::Message& message) {
   return bytes[7] + 256U * bytes[8] + 65536U * bytes[9];
 }
 
-/// Anything may be unknown, any ESC anywhere.
+/// A random report: any value may be unknown, with any ESC at any index.
 Report any_report(std::mt19937& random) {
   Report r = full();
   const auto often = [&] { return random() % 3 != 0; };
@@ -106,7 +106,7 @@ TEST_CASE("all that is streamed or asked for is told while everything is known, 
   for (const std::uint16_t id : testing::kEveryId) {
     CAPTURE(id);
     const auto messages = all(id, full());
-    // These two are the vehicle's own to say.
+    // The vehicle composes these two itself.
     const bool elsewhere = id == link::Heartbeat::kId || id == link::MessageInterval::kId;
     CHECK(messages.empty() == elsewhere);
     for (const link::Message& m : messages) CHECK(id_on_the_wire(m) == id);
@@ -331,7 +331,7 @@ TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they
   using Status = std::pair<bool, bool>;
   Report r = full();
   r.conditions = core::kAllConditions;
-  CHECK(status_of(r, mav::kSensorGeofence) == Status{false, true});  // none to be broken
+  CHECK(status_of(r, mav::kSensorGeofence) == Status{false, true});  // no fence can be broken
   CHECK(status_of(r, mav::kSensorBattery) == Status{true, true});
   r.fenced = r.battery_limited = true;
   CHECK(status_of(r, mav::kSensorGeofence) == Status{true, true});

@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::int64_t kTick_us = 10'000, kSecond_us = 1'000'000;
 
-/// Bytes a second, of each kind, in the long run.
+/// Average bytes per second of each kind.
 struct Shares {
   double state, rest;
 };
 
-/// A link asked to carry so much of each, in frames of a size each.
+/// The demand on a link: rate and frame size of each kind.
 struct Traffic {
   double state_Bps, rest_Bps;
   std::size_t state_bytes = 40, rest_bytes = 40;
@@ -85,7 +85,7 @@ TEST_CASE("whatever the other asks for, each has its share, and what the other l
     CAPTURE(rate);
     CAPTURE(traffic.state_Bps);
     CAPTURE(traffic.rest_Bps);
-    // What is in the queue at the end, or was saved up at the start, is within 1 % of the rate.
+    // The bytes left in the queue at the end, or saved at the start, are within 1 % of the rate.
     CHECK(std::abs(got.state - std::min(traffic.state_Bps, state_may)) <= 0.02 * rate);
     CHECK(std::abs(got.rest - std::min(traffic.rest_Bps, rest_may)) <= 0.02 * rate);
     CHECK(got.state + got.rest <= rate + 0.01 * rate);
@@ -149,7 +149,7 @@ TEST_CASE("a link with a limit may not send before it has earned, one without al
   bucket.earn(0);
   CHECK_FALSE(bucket.for_state());
   CHECK_FALSE(bucket.for_rest());
-  bucket.earn(kTick_us);  // nothing is owed from before
+  bucket.earn(kTick_us);  // no earlier debt remains
   CHECK(bucket.for_state());
   CHECK(bucket.for_rest());
 }

@@ -57,7 +57,7 @@ TEST_CASE("TIMESYNC is asked as often as SR_SLOW says, whenever and however that
   }
 }
 
-/// What breaks first where frames of a type are changed on their way out from now on.
+/// The first broken rule if sent frames of a type are changed from now on.
 std::string_view broken_by(WatchedHarbour<>& h, std::uint16_t type,
                            const std::function<void(link::CanFrame&)>& change) {
   h.boat.bus = [type, change](std::vector<link::CanFrame>& frames) {

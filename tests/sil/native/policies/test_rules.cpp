@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every rule holds for good pairs of ticks, and is broken by a pair that is made to break it.
+// Every rule holds for good pairs of ticks, and one pair breaks each rule.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -17,7 +17,8 @@ namespace {
 using core::State;
 namespace mav = link::mav;
 
-/// Two ticks of a boat, 10 ms apart, long after it came into that state, all heard just now.
+/// Two ticks of a boat, 10 ms apart, long after it entered that state; all senders were heard just
+/// now.
 struct Pair {
   app::Parameters p{};
   Moment b, n;
@@ -66,7 +67,7 @@ struct Mutation {
   std::function<void(Pair&)> change;
 };
 
-/// The tick before was in another state, which this one was asked to leave.
+/// Puts the tick before into another state, so that the present state has just begun.
 auto from(State before, std::function<void(Pair&)> change = [](Pair&) {}) {
   return [before, change](Pair& q) {
     const Moment now = q.n;

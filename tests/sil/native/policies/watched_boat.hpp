@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat under its monitor, to be put into a Harbour; what it says can be changed on the way out.
+// A boat under its monitor, for use in a Harbour; its output can be changed after it was sent.
 #pragma once
 
 #include <functional>
@@ -39,7 +39,7 @@ class WatchedBoat {
     return out;
   }
 
-  /// The name of the rule that was broken first, else nothing.
+  /// The name of the first broken rule, if any.
   std::string_view broken() const {
     return monitor_.broken() ? monitor_.broken()->name : std::string_view();
   }
