@@ -20,7 +20,8 @@ FleetOrder Membership::order(core::State state, core::Conditions conditions, std
   const Configuration& configuration = vehicle_.configuration();
   const auto item = static_cast<std::uint16_t>(missions.current());
   const bool fit = (conditions & core::kLoiterBegins) == core::kLoiterBegins;
-  const std::uint32_t plan_id = vehicle_.orders().is_paused() ? 0 : missions.id(Stored::kPlan);
+  const bool goes_on = !vehicle_.orders().is_paused() && !missions.is_complete();
+  const std::uint32_t plan_id = goes_on ? missions.id(Stored::kPlan) : 0;
   return fleet().step({vehicle_.self().system, state, fit, {plan_id, item}},
                       configuration.formation, configuration.navigation.leader_limit_us, now_us);
 }

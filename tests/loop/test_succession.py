@@ -1,25 +1,29 @@
 # SPDX-License-Identifier: MIT
 """Eight boats lose their leader, an inner boat, or half of their radio, and sail on."""
 
+from itertools import product
+
 import flotilla
 import numpy as np
 import pytest
 
 from sil.lockstep.world import sail as sail_runs
+from tests.loop import succession
 from tests.loop.succession import KINDS, NOTHING, Healed, Observer, sail, scenarios_of
 
-AT_S = [41.3]
+AT_S = 33.0, 41.3, 62.0
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(scope="module", params=product(KINDS, AT_S), ids=str)
 def healed(request: pytest.FixtureRequest) -> Healed:
-    (it,) = sail(request.param, AT_S)
+    kind, at_s = request.param
+    (it,) = sail(kind, [at_s])
     return it
 
 
 @pytest.fixture(scope="module")
 def undisturbed() -> Healed:
-    (it,) = sail(NOTHING, AT_S)
+    (it,) = sail(NOTHING, AT_S[1:2])
     return it
 
 
@@ -62,3 +66,13 @@ def test_boats_coast_shortly_behind_new_leaders() -> None:
     print(f"in COAST: {mean_s:.2f} s a boat")
     assert 0.1 < mean_s < 0.85
     assert (states[:, -1] != flotilla.STATES.index("HOLD")).all()
+
+
+def test_after_the_plans_end_the_next_leader_waits_and_does_not_sail_it_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    settings = ("leader.waypoints=[[0, 0], [12, 0]]", *succession.SETTINGS[1:])
+    monkeypatch.setattr(succession, "SETTINGS", settings)
+    (it,) = sail("leader", [80.0])
+    assert it.leads_s <= 3.0
+    assert it.states.count("LOITER") == 1 and set(it.states) == {"LOITER", "FORMATION"}

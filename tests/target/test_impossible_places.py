@@ -72,7 +72,10 @@ TAKEN = "slot is taken, or needs sailing astern"
 
 def test_leader_that_follows_this_boat_is_not_followed() -> None:
     sea = hold()
-    told(sea, reference(sea, [OTHER, BOAT]), LEADER)
+    # In the first second these may be messages from before the leader was chosen.
+    told(sea, reference(sea, [OTHER, BOAT]), LEADER, 0.9)
+    assert sea.condition("leaders_end")
+    told(sea, reference(sea, [OTHER, BOAT]), LEADER, 0.3)
     assert not sea.condition("leaders_end")
     assert_refused(sea, RING)
 
@@ -89,7 +92,8 @@ def test_ring_that_closes_under_way_ends_in_hold() -> None:
 
 def test_ring_that_was_opened_no_longer_prevents_formation() -> None:
     sea = hold()
-    told(sea, reference(sea, [OTHER, BOAT]), LEADER)
+    told(sea, reference(sea, [OTHER, BOAT]), LEADER, 1.2)
+    assert not sea.condition("leaders_end")
     told(sea, reference(sea, [OTHER]), LEADER, 0.2)
     sea.mode(FORMATION)
     assert sea.state == "FORMATION"

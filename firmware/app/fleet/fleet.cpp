@@ -38,6 +38,8 @@ constexpr double kSettle_s = 15;
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
+std::uint16_t deciseconds(std::int64_t us) { return static_cast<std::uint16_t>(us / 100'000); }
+
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
   return table->rank_of(system);
@@ -94,7 +96,7 @@ void Fleet::hear(const link::Received& received, Trust trust, std::int64_t now_u
 /// Records the beacon's number; true if a newer one arrived first, on a faster link.
 bool Fleet::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
-  const auto now_ds = static_cast<std::uint16_t>(now_us / 100'000);
+  const std::uint16_t now_ds = deciseconds(now_us);
   const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
   if (heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0) return true;
   heard.sequence = beacon.sequence;
@@ -296,6 +298,10 @@ void Fleet::update_peers(std::int64_t limit_us, std::int64_t now_us) {
     peer.heard = now_us - heard.at_us < limit_us;
     const bool faulty = heard.ahead_ms != 0 && ms_of(now_us) - heard.ahead_ms >= kAhead_ms;
     peer.leads = peer.leads && !faulty;
+    if (peer.hears >= table.count) continue;
+    const std::int64_t lost_us = now_us - heard_[peer.hears].at_us - limit_us;
+    const auto since_ds = static_cast<std::uint16_t>(deciseconds(now_us) - heard.beacon_ds);
+    peer.current = 100'000 * (since_ds + std::int64_t{1}) < lost_us;
   }
 }
 
@@ -336,7 +342,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   changed_ = changed_ || next != attachment_ || slot_motion != slot_motion_;
   slot_motion_ = slot_motion;
   attachment_ = next;
-  update_beacon(report, now_us);
+  update_beacon(report, order == FleetOrder::kFollow, now_us);
   return stops_ ? FleetOrder::kStop : order;
 }
 
@@ -451,8 +457,9 @@ std::optional<float> Fleet::reach_m(std::uint8_t system) const {
   return 0.05F * static_cast<float>(std::max(theirs_dm - ours_dm, 0));
 }
 
-/// A beacon that differs from the last one is due at once.
-void Fleet::update_beacon(const FleetReport& report, std::int64_t now_us) {
+/// A beacon that differs from the last one is due at once. A leader that yields follows from the
+/// next tick on; it is reported fit already, or it would leave the tree.
+void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t now_us) {
   const FleetTable& newest = ledger_.newest();
   link::FleetBeacon now{};
   now.sequence = told_.sequence;
@@ -462,7 +469,8 @@ void Fleet::update_beacon(const FleetReport& report, std::int64_t now_us) {
     const FleetTable& table = *ledger_.current();
     const auto heard = succession_.heard_leader(table, *own, newest.epoch, peers_);
     const auto hears = heard ? newest.rank_of(table.members[*heard].system) : std::nullopt;
-    const bool fit = core::follows(report.state) && report.fit && !by_hand_;
+    const bool follows = core::follows(report.state) || (yields && (told_.flags & kLeads) != 0);
+    const bool fit = follows && report.fit && !by_hand_;
     const bool leads = succession_.leads();
     now.flags = static_cast<std::uint8_t>((fit ? kFit : 0U) | (leads ? kLeads : 0U) |
                                           (hears ? *hears + 1 : 0U) << kHears);

@@ -129,7 +129,7 @@ class Fleet {
   void update_peers(std::int64_t limit_us, std::int64_t now_us);
   std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;
   SlotMotion slot_motion(std::size_t own, std::int64_t now_us) const;
-  void update_beacon(const FleetReport& report, std::int64_t now_us);
+  void update_beacon(const FleetReport& report, bool yields, std::int64_t now_us);
 
   FleetLedger ledger_;
   Succession succession_;

@@ -144,7 +144,7 @@ std::size_t Succession::way_to_leader(std::size_t own, std::span<const FleetPeer
   if (peers[leader_].heard) return leader_;
   for (std::size_t rank = 0; rank < peers.size(); ++rank) {
     const FleetPeer& peer = peers[rank];
-    if (rank != own && relays(peer) && peer.hears == leader_) return rank;
+    if (rank != own && relays(peer) && peer.current && peer.hears == leader_) return rank;
   }
   return leader_;
 }

@@ -19,6 +19,7 @@ struct FleetPeer {
   std::uint16_t epoch = 0;  ///< 0: no beacon yet, and may be fit
   std::uint8_t hears = FleetTable::kMax;  ///< rank of the leader that it hears itself; kMax: none
   bool behind = false;                    ///< it follows that leader itself
+  bool current = true;  ///< `hears` is not older than this boat's own loss of that leader
 };
 
 /// This boat.
@@ -51,7 +52,8 @@ enum class FleetOrder : std::uint8_t {
 /// is fit again: its followers attach to its leader. It may still follow.
 ///
 /// A leader that other members hear also counts if this boat does not hear it. The boat then
-/// follows one of them that follows the leader itself, so that no cycle can form.
+/// follows one of them that follows the leader itself. That member must have reported this since
+/// this boat lost the leader. So no cycle can form when all lose the leader one after another.
 class Succession {
  public:
   static constexpr std::size_t kNobody = FleetTable::kMax;

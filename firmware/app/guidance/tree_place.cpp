@@ -9,6 +9,9 @@ namespace {
 
 // A leader silent for this long has lost its reference, or runs other software.
 constexpr std::int64_t kLeaderSilent_us = 3'000'000;
+// When boats of a fleet are attached anew, a new leader's messages still on their way may say that it
+// follows this boat. They do not count.
+constexpr std::int64_t kAttaches_us = 1'000'000;
 // A boat whose leader's reference is older than kOld_us starts its own branch. It rejoins only
 // after kSteady_us of references younger than kYoung_us, so that a deep boat on a bad radio does
 // not alternate.
@@ -41,7 +44,9 @@ std::optional<RootOffset> TreePlace::behind(const RootOffset& leaders) const {
 void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
                      std::int64_t now_us) {
   const bool followed = (m.flags & link::mav::kReferenceFollowed) != 0;
-  const bool cycle = std::memchr(m.path.data(), own_.system, m.path.size()) != nullptr;
+  if (!word_) first_us_ = now_us;
+  const bool cycle = now_us - first_us_ >= kAttaches_us &&
+                     std::memchr(m.path.data(), own_.system, m.path.size()) != nullptr;
   const RootOffset offset{m.offset_n, m.offset_b};
   word_.emplace(now_us, Branch{m.root, m.maker}, offset, behind(offset), m.path, length_of(m.path),
                 cycle, followed);

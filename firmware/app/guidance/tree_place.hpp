@@ -52,7 +52,7 @@ class TreePlace {
   TreePath path(std::int64_t now_us) const;
   bool too_deep(std::int64_t now_us) const;
 
-  /// The leader follows this boat, directly or through others.
+  /// The leader follows this boat, directly or through others, since a second or longer.
   bool is_cycle(std::int64_t now_us) const;
 
   const Own& own() const { return own_; }
@@ -65,7 +65,7 @@ class TreePlace {
     std::optional<RootOffset> ours;  ///< our slot, if we sail in that branch
     TreePath path{};
     std::size_t length = 0;  ///< of the path
-    bool cycle = false;      ///< it contains our id
+    bool cycle = false;      ///< it contains our id, and not only at first
     bool followed = false;
   };
 
@@ -76,6 +76,7 @@ class TreePlace {
   Own own_;
   std::optional<RootOffset> alone_{RootOffset{}};  // our slot relative to the leader
   std::optional<Word> word_;
+  std::int64_t first_us_ = 0;      // first message of this leader
   bool leads_ = true;              // the leader's reference is young enough
   std::int64_t not_young_us_ = 0;  // last time it was older than kYoung_us
 };

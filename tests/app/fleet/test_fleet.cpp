@@ -295,7 +295,8 @@ TEST_CASE("two boats that lead and do not hear each other: one yields within two
   CHECK(harbour.boats[0].state == core::State::kAuto);
   CHECK(harbour.boats[1].state == core::State::kFormation);
   harbour.sail(3);
-  CHECK(harbour.leader_of(1) == 3);  // boat 2 has left the tree, so boat 3 follows the leader too
+  CHECK(harbour.leader_of(1) == 4);  // which hears the leader
+  CHECK(harbour.leader_of(2) == 2);
   CHECK(harbour.leader_of(3) == 1);
 }
 

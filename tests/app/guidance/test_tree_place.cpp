@@ -107,21 +107,35 @@ TEST_CASE("a cycle of any length is found by every boat of it, and no path grows
     std::vector<TreePlace> ring(boats);
     const auto id = [&](std::size_t i) { return static_cast<std::uint8_t>(i % boats + 1); };
     for (std::size_t i = 0; i < boats; ++i) ring[i].configure({id(i), id(i + 1), {}, false});
-    for (std::size_t round = 0; round < 3 * boats; ++round) {
+    std::int64_t now_us = 0;
+    for (std::size_t round = 0; round < 3 * boats; ++round, now_us += kSecond_us) {
       for (std::size_t i = 0; i < boats; ++i) {
         auto m = word({});
         m.maker = id(i + 1);
-        m.path = ring[(i + 1) % boats].path(0);
-        ring[i].hear(m, 0, 0);
+        m.path = ring[(i + 1) % boats].path(now_us);
+        ring[i].hear(m, now_us, now_us);
       }
     }
     for (const TreePlace& p : ring) {
       CAPTURE(boats);
-      CHECK(p.is_cycle(0));
-      CHECK(p.depth(0) <= boats + 1);
-      CHECK(length_of(p.path(0)) <= boats + 1);
+      CHECK(p.is_cycle(now_us));
+      CHECK(p.depth(now_us) <= boats + 1);
+      CHECK(length_of(p.path(now_us)) <= boats + 1);
     }
   }
+}
+
+TEST_CASE("a new leader's messages of the first second make no cycle: they may be older") {
+  TreePlace p = place();
+  const auto behind_us = word({kMaker, kOwn});
+  p.hear(behind_us, 0, 5 * kSecond_us);
+  CHECK_FALSE(p.is_cycle(5 * kSecond_us));
+  p.hear(behind_us, 0, 6 * kSecond_us - 1);
+  CHECK_FALSE(p.is_cycle(6 * kSecond_us - 1));
+  p.hear(behind_us, 0, 6 * kSecond_us);
+  CHECK(p.is_cycle(6 * kSecond_us));
+  p.hear(word(), 0, 6 * kSecond_us + 1);
+  CHECK_FALSE(p.is_cycle(6 * kSecond_us + 1));
 }
 
 TEST_CASE("no branch is that which the boat has made itself") {
