@@ -41,7 +41,10 @@ template <class S>
 void Alone<S>::start_plan() {
   const MissionService& missions = vehicle_.missions();
   voyage_.begin_plan(missions.id(Stored::kPlan), missions.current(), missions.is_complete());
-  pilot_.start_plan({.plan = missions.plan(), .first = missions.current(), .home = home()},
+  pilot_.start_plan({.plan = missions.plan(),
+                     .first = missions.current(),
+                     .start_m = missions.start_m(missions.current()),
+                     .home = home()},
                     configuration().plan);
   reached_.reset();
   warnings_.forget_waiting();

@@ -264,8 +264,8 @@ void Boat<S>::look_at_fence(const std::optional<convert::Position>& place, std::
     const core::Vec2<S> v =
         core::to_north_east(motion.psi, core::Vec2<S>{motion.nu.u, motion.nu.v});
     seen.velocity_n = {convert::q16(v.x), convert::q16(v.y)};
-    if (!core::law_drives(state())) alone_.check_way(*place, now_us);
   }
+  if (place && !core::law_drives(state())) alone_.check_way(*place, now_us);
   const bool yields = place && law_output_.separation.yielding;
   pilot_.close_courses(yields ? FenceWatch::closed_courses(missions.fence(), *place,
                                                            configuration().stopping,

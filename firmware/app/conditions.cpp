@@ -99,7 +99,7 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
   const bool reached = !core::sails_alone(boat.state()) || pilot.plan_vessel().is_sound();
   if (!reached) met &= ~core::kHomeNear;
   if (!missions.plan().empty() && pilot.located() && reached &&
-      missions.plan_keeps_fence(boat.state() == core::State::kAuto)) {
+      missions.plan_is_sound(boat.state() == core::State::kAuto)) {
     met |= core::kPlanReady;
   }
   if (boat.vehicle.doubled(now_us)) met &= ~core::kSoleVessel;

@@ -10,6 +10,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.hull import Afloat, Hull
+from tests.target.operator_words import param_set
 from tests.target.plans import (
     DELAY,
     ITEM_ACCEPTED,
@@ -146,12 +147,53 @@ def test_without_a_plan_auto_is_refused_with_the_reason() -> None:
     assert sea.state == "HOLD"
 
 
-def test_a_plan_that_begins_over_a_kilometre_away_is_not_sailed() -> None:
+def test_a_plan_that_begins_over_a_kilometre_away_is_refused() -> None:
     sea = at_sea([at(1001, 0)])
-    sea.mode(AUTO)
-    ticks = sea.run(0.2)
+    tick = sea.mode(AUTO)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    ticks = [tick, *sea.run(0.2)]
     assert sea.state == "HOLD" and not any(any(tick.commands) for tick in ticks)
-    assert any("1 km away" in text for text in texts(sea.ticks[-40:]))
+    assert "Plan: too far away" in texts(ticks)
+    assert Planner(sea).send([at(999, 0)]) == ITEM_ACCEPTED
+    sea.run(1.1)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+
+
+def test_a_jump_to_an_item_out_of_reach_is_refused_and_the_plan_goes_on() -> None:
+    sea = sailing([at(950, 0), at(2930, 0)])
+    assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, DENIED)]
+    sea.run(1.0)
+    assert sea.state == "AUTO" and progress(sea) == (0, 2, ACTIVE)
+
+
+def test_a_plan_whose_speed_is_above_a_lowered_limit_is_sailed_at_the_limit() -> None:
+    sea = at_sea([speed(1.2), at(100, 0)])
+    sea.say(param_set("LAW_U_MAX", 0.5))
+    sea.step()
+    sea.mode(AUTO)
+    sea.run(50.0)
+    assert sea.state == "AUTO" and sea.hull.seen.u == pytest.approx(0.5, abs=0.02)
+
+
+def test_after_a_plans_last_place_no_earlier_item_begins() -> None:
+    """A voyage that measures the hull, and then: stop here."""
+    voyage = at(0, 0)._replace(command=31010, params=(0.0, 0.0, 0.0, math.nan))
+    here = Item(LOITER, x=0, y=0)
+    sea = at_sea([voyage, here])
+    assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
+    sea.mode(AUTO)
+    ticks = sea.run(90.0)
+    assert sea.state == "AUTO" and progress(sea)[0] == 1
+    assert not [text for text in texts(ticks) if "Voyage" in text]
+    assert math.hypot(*place(sea)) < 0.5
+
+
+def test_a_plan_goes_on_at_an_item_over_a_kilometre_away() -> None:
+    sea = at_sea([at(0, 0), at(1500, 0)])
+    assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+    sea.run(5.0)
+    assert sea.state == "AUTO" and progress(sea) == (1, 2, ACTIVE)
 
 
 def test_the_plan_under_way_is_not_changed_and_afterwards_it_is() -> None:

@@ -15,6 +15,7 @@ from tests.target.plans import (
     CIRCLE_OUT,
     FENCE,
     INVALID,
+    INVALID_PARAM1,
     ITEM_ACCEPTED,
     KEEP_IN,
     KEEP_OUT,
@@ -46,6 +47,7 @@ from tests.target.test_auto import AUTO, SET_CURRENT, at_sea, place, sailing
 from tests.target.test_long_texts import sentences
 
 FENCE_ENABLE, GEOFENCE, MANUAL = 207, 1 << 20, 0
+LOITER_TURNS, JUMP = 18, 177
 HULL = 1.3  # BOAT_LEN's default: the margin
 
 
@@ -109,6 +111,43 @@ def test_a_leg_past_a_spit_of_land_is_refused_and_one_round_it_taken() -> None:
     assert send(sea, PLAN, [at(-20, 0), at(20, 0)]) == INVALID
     assert words(sea)[-1] == "Plan refused at item 1: path crosses the fence"
     assert send(sea, PLAN, [at(-20, 0), at(-20, 40), at(20, 40), at(20, 0)]) == ITEM_ACCEPTED
+
+
+def turns(north_m: float, east_m: float, number: float, radius_m: float) -> Item:
+    params = (number, 0.0, radius_m, math.nan)
+    return at(north_m, east_m)._replace(command=LOITER_TURNS, params=params)
+
+
+def jump(item: int, times: int) -> Item:
+    return Item(JUMP, (float(item), float(times), 0.0, 0.0), 0, 0, frame=2)
+
+
+@pytest.mark.parametrize("fence_first", [True, False])
+@pytest.mark.parametrize(
+    "ends", [(at(-300, 0), at(400, 0)), (at(400, 0), at(-300, 0))], ids=["out", "in"]
+)
+def test_legs_from_and_to_a_circle_are_judged_from_where_the_boat_leaves_it(
+    ends: tuple[Item, Item], fence_first: bool
+) -> None:
+    # It leaves the circle in the south or west: straight through the zone, which a leg from the
+    # centre passes.
+    zone = [circle(200, -54, 30, CIRCLE_OUT)]
+    plan = [ends[0], turns(0, 0, 0.25, 100), ends[1]]
+    if fence_first:
+        sea = fenced([], zone)
+        assert send(sea, PLAN, plan) == INVALID
+    else:
+        sea = fenced(plan, zone)
+        assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert any("crosses the fence" in text for text in words(sea)[-3:])
+
+
+def test_a_jump_to_a_jump_is_refused_because_its_leg_is_not_judged() -> None:
+    sea = Sea()
+    sea.settle()
+    plan = [at(0, 0), at(9, 0), jump(0, 1), at(9, 9), at(0, 9), jump(2, 1)]
+    assert send(sea, PLAN, plan) == INVALID_PARAM1
+    assert words(sea)[-1] == "Plan refused at item 5: jump leads to a jump"
 
 
 @pytest.mark.parametrize(

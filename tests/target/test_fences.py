@@ -163,6 +163,10 @@ def test_a_second_station_is_refused_while_another_kind_is_being_sent(still: Sea
     still.step()
     other = Planner(still, station=Station(254, 190), kind=RALLY)
     assert other.send(POINTS) == REFUSED
+    for kind in (FENCE, RALLY, ALL):
+        clear = mavlink.MAVLink_mission_clear_all_message(BOAT, 1, kind)
+        still.say(clear, sender=other.station)
+        assert [ack.type for ack in still.step().named("MISSION_ACK")] == [REFUSED]
     still.say(OTHER[FENCE][0].message(0, kind=FENCE))
     (ack,) = still.step().named("MISSION_ACK")
     assert (ack.type, ack.mission_type) == (ITEM_ACCEPTED, FENCE)

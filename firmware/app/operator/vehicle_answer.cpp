@@ -183,9 +183,9 @@ void Vehicle::judge_target(DecodedCommand& asked) const {
   }
 }
 
-/// Goes to an item if the way there respects the fence.
+/// Goes to an item if it is near enough and the way there respects the fence.
 std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
-  if (supervisor_.state() == core::State::kAuto && missions_.fence().is_on()) {
+  if (supervisor_.state() == core::State::kAuto) {
     const auto here = place();
     if (!here) return mav::kTemporarilyRejected;
     asked.why = missions_.refusal_of_way(*here, *asked.item, configuration_.plan);
@@ -208,7 +208,7 @@ void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedC
   if (FLOTILLA_KEEPS_FLEET == 0 || asked.request == Request::kNone) return;
   const auto link = static_cast<std::uint8_t>(1U << pending.link);
   const bool others = pending.from != stop_.by;
-  const bool recent = stop_.links != 0 && now_us_ - stop_.us < 5 * kSecond_us;
+  const bool recent = now_us_ - stop_.us < 5 * kSecond_us;
   if (!drives(asked.request)) {
     const auto links = static_cast<std::uint8_t>(others || !recent ? link : stop_.links | link);
     stop_ = {now_us_, pending.from, links};

@@ -11,6 +11,15 @@ namespace {
 namespace mav = link::mav;
 
 constexpr float kOctagon = 1.0824F;  // distance of its corners / of its sides, from the centre
+/// Directions of the corners, north and east; clockwise from the north.
+constexpr std::array<std::array<float, 2>, 8> kOctants{{{1, 0},
+                                                        {0.70711F, 0.70711F},
+                                                        {0, 1},
+                                                        {-0.70711F, 0.70711F},
+                                                        {-1, 0},
+                                                        {-0.70711F, -0.70711F},
+                                                        {0, -1},
+                                                        {0.70711F, -0.70711F}}};
 constexpr float kLargestRadius_m = 100, kSlowest_mps = 0.05F;
 
 bool is_within(float param, float most) { return or_zero(param) >= 0 && or_zero(param) <= most; }
@@ -103,6 +112,9 @@ PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
     return {mav::kMissionInvalidParam1, "empty loop"};
   }
   const auto is_jump = [](const PlanItem& i) { return i.command == mav::kDoJump; };
+  if (std::any_of(loop.begin(), first, is_jump)) {
+    return {mav::kMissionInvalidParam1, "jump leads to a jump"};
+  }
   const auto jumps = static_cast<std::size_t>(std::ranges::count_if(plan, is_jump));
   return jumps > PlanReader::kJumps ? PlanFault{mav::kMissionNoSpace, {}} : PlanFault{};
 }
@@ -223,7 +235,8 @@ void PlanReader::note(const PlanItem& item) {
   if (item.command == mav::kDoSetHome) home_ = sets_home_here(item) ? last_ : home_of(item);
   if (item.command != mav::kDoChangeSpeed) return;
   const float told_mps = or_zero(item.param[1]);
-  if (told_mps > 0) speed_mps_ = told_mps;
+  const float most_mps = defaults_.fastest_mps > 0 ? defaults_.fastest_mps : told_mps;
+  if (told_mps > 0) speed_mps_ = std::min(told_mps, most_mps);
   if (told_mps == -2) speed_mps_ = defaults_.speed_mps;
 }
 
@@ -249,23 +262,22 @@ PlanPoint PlanReader::point_of(const PlanItem& item, const convert::GlobalPoint&
   return {at_, place, speed_mps_, told_m > 0 ? told_m : defaults_.radius_m};
 }
 
+convert::GlobalPoint corner_of(const PlanItem& item, const PlanDefaults& defaults,
+                               std::size_t octant) {
+  const double far_m = double{room_of(item, defaults)};
+  const auto& [north, east] = kOctants[octant % kOctants.size()];
+  return convert::global_of({far_m * double{north}, far_m * double{east}, {item.x, item.y, 0, 0}});
+}
+
 /// The next corner of an octagon round the circle; the vessel rounds these corners. The first one
 /// is towards the place before.
 PlanPoint PlanReader::on_circle(const PlanItem& item) {
-  constexpr std::array<std::array<float, 2>, 8> kWays{{{1, 0},
-                                                       {0.70711F, 0.70711F},
-                                                       {0, 1},
-                                                       {-0.70711F, 0.70711F},
-                                                       {-1, 0},
-                                                       {-0.70711F, -0.70711F},
-                                                       {0, -1},
-                                                       {0.70711F, -0.70711F}}};
   const convert::Position centre{0, 0, {item.x, item.y, 0, 0}};
   if (octants_ == 0 && last_) {
     const auto [way, near] = convert::way_to<double>(centre, *last_, 2 * kPlanReach_m);
     double most = 0;
-    for (std::size_t i = 0; near && i < kWays.size(); ++i) {
-      const double along = way.x * double{kWays[i][0]} + way.y * double{kWays[i][1]};
+    for (std::size_t i = 0; near && i < kOctants.size(); ++i) {
+      const double along = way.x * double{kOctants[i][0]} + way.y * double{kOctants[i][1]};
       if (along <= most) continue;
       most = along;
       octant_ = static_cast<std::uint16_t>(i);
@@ -275,11 +287,7 @@ PlanPoint PlanReader::on_circle(const PlanItem& item) {
     octant_ = static_cast<std::uint16_t>((octant_ + on) % 8);
   }
   ++octants_;
-  const double far_m = double{room_of(item, defaults_)};
-  const auto& [north, east] = kWays[octant_];
-  const auto place =
-      convert::global_of({far_m * double{north}, far_m * double{east}, centre.origin});
-  return {at_, place, speed_mps_, kLargestRadius_m};
+  return {at_, corner_of(item, defaults_, octant_), speed_mps_, kLargestRadius_m};
 }
 
 std::optional<PlanPoint> PlanReader::next(Plan plan) {

@@ -70,6 +70,11 @@ std::optional<convert::GlobalPoint> place_of(const PlanItem& item);
 /// How far from its place an item leads the boat, m; 0: not beyond it.
 float room_of(const PlanItem& item, const PlanDefaults& defaults);
 
+/// A corner of the octagon round a circle, where the boat enters, turns or leaves; 0 … 7, clockwise
+/// from the north.
+convert::GlobalPoint corner_of(const PlanItem& item, const PlanDefaults& defaults,
+                               std::size_t octant);
+
 /// The item to which a jump leads.
 std::size_t jump_of(const PlanItem& item, const PlanDefaults& defaults);
 

@@ -8,24 +8,39 @@ namespace {
 
 constexpr int kItemsPerTick = 4;
 
-/// The place to which an item leads; a jump leads to the first place at or after its target.
-std::optional<convert::GlobalPoint> aim_of(Plan plan, std::size_t item,
-                                           const PlanDefaults& defaults, bool& jumps) {
+/// The item to whose place an item leads; a jump leads to the first place at or after its target.
+std::optional<std::size_t> aim_of(Plan plan, std::size_t item, const PlanDefaults& defaults,
+                                  bool& jumps) {
   jumps = plan[item].command == link::mav::kDoJump;
   std::size_t at = jumps ? jump_of(plan[item], defaults) : item;
-  auto place = place_of(plan[at]);
-  while (jumps && !place && ++at < item) place = place_of(plan[at]);
-  return place;
+  while (jumps && !place_of(plan[at]) && at + 1 < item) ++at;
+  return place_of(plan[at]) ? std::optional(at) : std::nullopt;
 }
 
-std::string_view refusal_of(const Fence& fence, const std::optional<convert::GlobalPoint>& from,
-                            const convert::GlobalPoint& to, const PlanItem& item,
+/// Where legs from or to an item may begin or end: its place, or the corners round a circle.
+struct Ends {
+  const PlanItem& item;
+  const PlanDefaults& defaults;
+
+  bool is_circle() const { return room_of(item, defaults) > 0; }
+  std::size_t size() const { return is_circle() ? 8 : 1; }
+  convert::GlobalPoint operator[](std::size_t i) const {
+    return is_circle() ? corner_of(item, defaults, i) : *place_of(item);
+  }
+};
+
+/// Judges the legs between two items; without the first, only the second one's place.
+std::string_view refusal_of(const Fence& fence, const PlanItem* from_item, const PlanItem& to_item,
                             const PlanDefaults& defaults) {
-  const auto why = from ? fence.refusal_of(*from, to, defaults.margin_m)
-                        : fence.refusal_of(to, defaults.margin_m);
-  const float room_m = room_of(item, defaults);
-  if (!why.empty() || !(room_m > 0)) return why;
-  return fence.refusal_of(to, defaults.margin_m + room_m);
+  const Ends to{to_item, defaults};
+  const Ends from{from_item != nullptr ? *from_item : to_item, defaults};
+  std::string_view why;
+  if (from_item == nullptr) why = fence.refusal_of(*place_of(to_item), defaults.margin_m);
+  for (std::size_t leg = 0; why.empty() && leg < from.size() * to.size(); ++leg) {
+    why = fence.refusal_of(from[leg / to.size()], to[leg % to.size()], defaults.margin_m);
+  }
+  if (!why.empty() || !to.is_circle()) return why;
+  return fence.refusal_of(*place_of(to_item), defaults.margin_m + room_of(to_item, defaults));
 }
 
 }  // namespace
@@ -36,7 +51,7 @@ bool PlanCheck::forward(const Fence& fence, Plan plan, const PlanDefaults& defau
     bool jumps = false;
     const auto to = aim_of(plan, at_, defaults, jumps);
     if (!to) continue;
-    why_ = refusal_of(fence, from_, *to, plan[at_], defaults);
+    why_ = refusal_of(fence, from_ ? &plan[*from_] : nullptr, plan[*to], defaults);
     if (!jumps) from_ = to;
     if (why_.empty()) continue;
     over_ = true;
@@ -51,9 +66,11 @@ PlanFault fence_fault_of_last(const Fence& fence, Plan plan, const PlanDefaults&
   bool jumps = false;
   const auto to = aim_of(plan, plan.size() - 1, defaults, jumps);
   if (!to) return {};
-  std::optional<convert::GlobalPoint> from;
-  for (std::size_t i = plan.size() - 1; i > 0 && !from; --i) from = place_of(plan[i - 1]);
-  const std::string_view why = refusal_of(fence, from, *to, plan.back(), defaults);
+  const PlanItem* from = nullptr;
+  for (std::size_t i = plan.size() - 1; i > 0 && from == nullptr; --i) {
+    if (place_of(plan[i - 1])) from = &plan[i - 1];
+  }
+  const std::string_view why = refusal_of(fence, from, plan[*to], defaults);
   return why.empty() ? PlanFault{} : PlanFault{link::mav::kMissionInvalid, why};
 }
 

@@ -30,13 +30,13 @@ class PlanCheck {
 
  private:
   bool over_ = true;
-  std::optional<convert::GlobalPoint> from_;
+  std::optional<std::size_t> from_;  // the last item that names a place
   std::size_t at_ = 0;
   std::string_view why_{};
 };
 
-/// Judges the last item of a plan: its place, a circle round it, and the leg to it from the place
-/// before; for a jump, the leg back.
+/// Judges the last item of a plan: its place, a circle round it, and the legs to it from the place
+/// before, or from any corner of a circle there; for a jump, the legs back.
 PlanFault fence_fault_of_last(const Fence& fence, Plan plan, const PlanDefaults& defaults);
 
 }  // namespace flotilla::app

@@ -23,6 +23,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
                           const core::Motion<S>& motion) {
   from_ = own;
   start_m_ = voyage.start_m;
+  first_ = static_cast<std::uint16_t>(voyage.first);
   limits_ = limits;
   points_[0] = {};
   items_ = {};

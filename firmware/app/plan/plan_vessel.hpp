@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -61,8 +62,9 @@ class PlanVessel {
   bool is_sound() const { return sound_; }
   bool has_arrived() const { return state_.phase == core::RoutePhase::kArrived; }
 
-  /// The item whose place is ahead, or where the vessel waits or turns.
-  std::size_t item() const { return items_[state_.next].value_or(items_[1].value_or(0)); }
+  /// The item whose place is ahead, or where the vessel waits or turns; the item where it started,
+  /// if no place follows.
+  std::size_t item() const { return items_[state_.next].value_or(items_[1].value_or(first_)); }
 
   /// The item whose place was reached last, if any since the start.
   std::optional<std::size_t> reached() const;
@@ -83,6 +85,7 @@ class PlanVessel {
 
   convert::Position from_;
   float start_m_ = 0;
+  std::uint16_t first_ = 0;  // item where it started
   core::RouteParams<S> limits_;
   PlanReader reader_;
   std::array<core::Waypoint<S>, kWindow> points_{};

@@ -121,15 +121,17 @@ Plan MissionService::sailed_of(Stored kind, Plan items) const {
   return kind == Stored::kPlan ? items.subspan(homes_of(items)) : items;
 }
 
-/// Clears all kinds that are asked for, or none.
+/// Clears all kinds that are asked for, or none: not during another station's upload.
 link::Message MissionService::clear(const link::MissionClearAll& asked, const Asker& asker) {
   const auto is_asked = [&](Stored kind) {
     return asked.mission_type == type_of(kind) || asked.mission_type == mav::kMissionTypeAll;
   };
   constexpr std::array kKinds{Stored::kPlan, Stored::kFence, Stored::kRally};
   for (const Stored kind : kKinds) {
-    if (!is_asked(kind) || asker.may_change(kind)) continue;
-    refuse(asker, kind, {mav::kMissionDenied});
+    const bool others = upload_ && !is_from_uploader(asker);
+    if (!is_asked(kind) || (asker.may_change(kind) && !others)) continue;
+    const std::string_view why = others ? "another upload is running" : "";
+    refuse(asker, kind, {mav::kMissionDenied, why});
     return acknowledgement(asker.from, mav::kMissionDenied, asked.mission_type);
   }
   for (const Stored kind : kKinds) {
@@ -173,7 +175,8 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
   // A late copy, or an item that was not asked for, changes nothing. A sender that missed the
   // acknowledgement of its last item gets it again.
   const Store& kept = store(*kind);
-  if (!upload_ && asker.from == kept.from && given.seq + std::size_t{1} == kept.count &&
+  const bool uploaded = asker.from == kept.from && asker.link == kept.link;
+  if (!upload_ && uploaded && given.seq + std::size_t{1} == kept.count &&
       is_same(item_of(given), kept.room[given.seq])) {
     return acknowledgement(asker.from, mav::kMissionAccepted, given.mission_type, kept.id);
   }
@@ -209,11 +212,15 @@ PlanFault MissionService::fault_of_last_incoming(const PlanDefaults& defaults) c
   return why.empty() ? PlanFault{} : PlanFault{mav::kMissionInvalid, why};
 }
 
+/// Judges the stored items again, but not by LAW_U_MAX and WP_RADIUS: a plan that these parameters
+/// now contradict is kept, and sailed as they permit.
 PlanFault MissionService::restore(Stored kind, Plan items, const PlanDefaults& defaults) {
   if (items.empty()) return {};
   if (items.size() > store(kind).room.size()) return {mav::kMissionNoSpace, "too many items"};
   const Plan sailed = sailed_of(kind, items);
-  const PlanDefaults mine = with_homes(defaults, items.size() - sailed.size());
+  PlanDefaults mine = with_homes(defaults, items.size() - sailed.size());
+  mine.fastest_mps = 0;
+  mine.radius_m = std::max(mine.radius_m, 1.0F);
   for (std::size_t count = 1; count <= sailed.size(); ++count) {
     if (const PlanFault fault = fault_of_last_of(kind, sailed.first(count), mine)) return fault;
   }
@@ -227,6 +234,7 @@ link::Message MissionService::finish(const Asker& asker) {
   const bool judged = upload_->judged;
   replace(kind, incoming_.first(upload_->count));
   store(kind).from = asker.from;
+  store(kind).link = asker.link;
   upload_.reset();
   news_ = News{.kind = News::Kind::kStored, .what = kind};
   // Each leg was judged on arrival. Only a fence or a margin that has changed needs a new check.
@@ -319,6 +327,7 @@ bool MissionService::enable_fence(bool on) {
 /// The fence or the margin has changed: the plan is judged again, and a plan in upload once it is whole.
 void MissionService::judge_anew() {
   check_.begin();
+  way_why_ = {};
   if (upload_) upload_->judged = false;
 }
 
@@ -333,18 +342,20 @@ void MissionService::check_plan(const PlanDefaults& defaults) {
 
 std::string_view MissionService::refusal_of_way(const convert::Position& here, std::size_t item,
                                                 const PlanDefaults& defaults) const {
-  if (!fence_.is_on()) return {};
   PlanReader reader;
   reader.begin(plan(), std::max(item, homes_of(plan())), defaults);
   const auto first = reader.next(plan());
-  return first ? fence_.refusal_of(here, first->place, defaults.margin_m) : std::string_view{};
+  if (!first) return {};
+  if (!convert::way_to<double>(here, first->place, start_m(item)).near) return "too far away";
+  return fence_.is_on() ? fence_.refusal_of(here, first->place, defaults.margin_m)
+                        : std::string_view{};
 }
 
 void MissionService::check_way(const convert::Position& here, const PlanDefaults& defaults) {
   way_why_ = refusal_of_way(here, current_, defaults);
 }
 
-bool MissionService::plan_keeps_fence(bool in_auto) const {
+bool MissionService::plan_is_sound(bool in_auto) const {
   if (in_auto) return check_.why().empty();
   return check_.is_over() && plan_trouble().empty();
 }

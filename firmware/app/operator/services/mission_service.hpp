@@ -100,21 +100,24 @@ class MissionService {
   bool enable_fence(bool on);
   /// Once a tick: judges the plan by the fence, a few legs at a time.
   void check_plan(const PlanDefaults& defaults);
-  /// Why the straight way from the boat to an item, or the first place after it, leaves the fence.
+  /// How far the place where AUTO begins may be from the boat, m: farther, if the boat goes on with
+  /// its plan or jumps in it.
+  float start_m(std::size_t item) const {
+    return item > homes_of(plan()) ? kErrandReach_m : kPlanStart_m;
+  }
+  /// Why the boat cannot go straight to an item, or the first place after it: that is too far away,
+  /// or the way leaves the fence.
   std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
                                   const PlanDefaults& defaults) const;
   /// Before AUTO: judges the way from the boat to where the plan begins. The judgement is soon out
   /// of date if the boat moves: then call forget_way().
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
   void forget_way() { way_why_ = {}; }
-  /// The plan respects the fence. While the plan is sailed, an unfinished judgement does not stop
-  /// it.
-  bool plan_keeps_fence(bool in_auto) const;
+  /// The plan, and the way to it, can be sailed. While the plan is sailed, an unfinished judgement
+  /// does not stop it.
+  bool plan_is_sound(bool in_auto) const;
   /// Why not, for the operator; empty: it does, or there is no plan.
-  std::string_view plan_trouble() const {
-    if (!check_.why().empty()) return check_.why();
-    return fence_.is_on() ? way_why_ : std::string_view{};
-  }
+  std::string_view plan_trouble() const { return check_.why().empty() ? way_why_ : check_.why(); }
 
   /// The place to which a boat at `here` returns: the nearest permitted rally point, if possible
   /// one with a straight way; home if there is none.
@@ -126,7 +129,8 @@ class MissionService {
     std::span<PlanItem> room{};
     std::size_t count = 0;
     std::uint32_t id = 0;
-    link::Address from{};
+    link::Address from{};  ///< of the upload
+    std::uint8_t link = 0;
     Plan items() const { return room.first(count); }
   };
   struct Upload {

@@ -51,6 +51,18 @@ TEST_CASE("a boat returns to the nearest rally point, or home if there is none")
   CHECK(same(kept.back_from(40, 0), point(50, 0)));
 }
 
+TEST_CASE("a stored plan is kept even if LAW_U_MAX or WP_RADIUS is now less") {
+  Kept kept;
+  kept.defaults.fastest_mps = 0.6F;
+  kept.defaults.radius_m = 0.5F;
+  PlanItem speed{};
+  speed.command = mav::kDoChangeSpeed;
+  speed.param[1] = 1.2F;
+  kept.store(Stored::kPlan,
+             {item(mav::kNavWaypoint, 0, 0), speed, item(mav::kNavLoiterTurns, 9, 0, 1)});
+  CHECK(kept.service.plan().size() == 3);
+}
+
 TEST_CASE("a rally point to which the way is straight is preferred, one outside never used") {
   Kept kept;
   kept.service.locate(kOrigin);
