@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.target.plans import as_sent, at, plan_of
-from tests.target.sea import Sea, acks, named
+from tests.target.hull import Afloat, Hull
+from tests.target.operator_words import drive, enter_manual, sticks
+from tests.target.plans import ITEM_ACCEPTED, Planner, as_sent, at, plan_of
+from tests.target.sea import Sea, Tick, acks, named
 from tests.target.stations import (
     ACCEPTED,
     BOAT,
@@ -22,8 +25,9 @@ from tests.target.stations import (
     Station,
     command_long,
 )
+from tests.target.test_setpoints import NED, local
 
-RADIO, LOITER = 1, 5
+RADIO, LOITER, GUIDED = 1, 5, 15
 
 
 @pytest.fixture
@@ -53,6 +57,107 @@ def test_a_late_copy_of_a_request_does_not_undo_a_newer_one(sea: Sea, late_s: fl
     sea.boat.on_mavlink(wire, sea.now_us, RADIO)
     ticks = sea.run(0.5)
     assert sea.state == "HOLD" and not named(ticks, "COMMAND_ACK", RADIO)
+
+
+@pytest.mark.parametrize(
+    "between",
+    [
+        mavlink.MAVLink_timesync_message(0, 5),
+        mavlink.MAVLink_ping_message(0, 1, 0, 0),
+        mavlink.MAVLink_param_request_read_message(BOAT, 1, b"", 1),
+        command_long(REQUEST_MESSAGE, 148.0),
+    ],
+    ids=lambda message: message.get_type(),
+)
+def test_requests_that_change_nothing_do_not_make_room_for_a_late_copy(
+    sea: Sea, between: Any
+) -> None:
+    wire = say(sea, command_long(SET_MODE, 1.0, float(FORMATION)))
+    sea.step()
+    sea.mode(LOITER)
+    for _ in range(40):
+        say(sea, between)
+        sea.step()
+    assert sea.state == "LOITER"
+    sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+    sea.step()
+    assert sea.state == "LOITER"
+
+
+def test_a_late_copy_of_a_clear_does_not_clear_a_plan_that_was_sent_since(sea: Sea) -> None:
+    sea.mode(HOLD)
+    wire = say(sea, mavlink.MAVLink_mission_clear_all_message(BOAT, 1, 255))
+    sea.step()
+    plan = [at(north, 0) for north in range(1, 42)]
+    assert Planner(sea).send(plan) == ITEM_ACCEPTED
+    sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+    sea.run(0.1)
+    assert plan_of(sea) == as_sent(plan)
+
+
+def pushed(ticks: Sequence[Tick]) -> bool:
+    return any(any(tick.commands) for tick in ticks)
+
+
+def test_late_copies_of_the_sticks_drive_nothing() -> None:
+    sea = Sea(links=2)
+    enter_manual(sea)
+    late = []
+    for _ in range(20):
+        late.append(say(sea, sticks(600, 0)))
+        sea.run(0.05)
+    assert pushed(sea.ticks[-5:])
+    drive(sea, 0, seconds=0.5)
+    for wire in late:
+        say(sea, sticks(0, 0))
+        sea.step()
+        sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+        assert not pushed(sea.run(0.04))
+    assert sea.state == "MANUAL"
+    for wire in late:  # the operator is silent
+        sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+        assert not pushed(sea.run(0.05))
+    assert sea.state == "HOLD"
+
+
+def test_late_copies_of_an_rc_override_do_not_bring_manual_back() -> None:
+    sea = Sea({"RC_MODE_CH": 5}, links=2)
+    sea.enter_formation()
+
+    def override(switch_us: int) -> Any:
+        channels = [1500, 1500, 1500, 1500, switch_us, 0, 0, 0]
+        return mavlink.MAVLink_rc_channels_override_message(BOAT, 1, *channels)
+
+    late = []
+    for _ in range(10):
+        late.append(say(sea, override(1900)))
+        sea.run(0.05)
+    assert sea.state == "MANUAL"
+    for wire in late:
+        say(sea, override(1100))
+        sea.step()
+        sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+        sea.run(0.04)
+    assert sea.state == "HOLD"
+
+
+def test_late_copies_of_setpoints_do_not_alternate_with_newer_ones() -> None:
+    sea = Afloat(links=2, hull=Hull())
+    sea.leader.on = False
+    sea.run(2.0)
+    sea.arm()
+    sea.mode(GUIDED)
+    late = []
+    for _ in range(100):
+        late.append(say(sea, local(NED, velocity_mps=(0.0, 0.5))))
+        sea.run(0.1)
+    assert sea.hull.seen.u > 0.4
+    for wire in late:
+        say(sea, local(NED, velocity_mps=(0.0, 0.0)))
+        sea.step()
+        sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+        sea.run(0.09)
+    assert sea.state == "GUIDED" and abs(sea.hull.seen.u) < 0.05
 
 
 def test_a_stop_is_obeyed_however_often_it_comes(sea: Sea) -> None:

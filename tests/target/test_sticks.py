@@ -97,10 +97,14 @@ def test_a_second_operator_may_take_sticks_that_were_let_go(sea: Sea) -> None:
         assert sea.step().commands == before
 
 
-def test_the_first_operator_may_go_on_by_another_link() -> None:
+def test_the_first_operator_may_go_on_by_another_link_after_five_seconds_of_silence() -> None:
     sea = Sea(links=2)
     enter_manual(sea)
     drive(sea, 300)
+    drive(sea, 0, 0, 5.1, link=1)  # until then these may be late copies
+    assert sea.state == "HOLD"
+    sea.mode(MANUAL)
+    drive(sea, 0, 0, 0.1, link=1)
     drive(sea, -300, 0, 1.0, link=1)
     assert sea.state == "MANUAL" and all(c < 0 for c in sea.commands)
 

@@ -52,4 +52,24 @@ class Copies {
   std::size_t next_ = 0;
 };
 
+/// A stream of a sender (sticks, setpoints) counts on one link, and on another one only after 5 s of
+/// silence. Else late copies would alternate with newer messages. Too frequent to be noted singly.
+class StreamLink {
+ public:
+  [[gnu::noinline]] bool takes(link::Address from, std::size_t link, std::int64_t now_us) {
+    constexpr std::uint32_t kSilent_ms = 5000;
+    const auto ms = static_cast<std::uint32_t>(now_us / 1000);
+    if (from == from_ && link != link_ && ms - ms_ < kSilent_ms) return false;
+    ms_ = ms;
+    from_ = from;
+    link_ = static_cast<std::uint8_t>(link);
+    return true;
+  }
+
+ private:
+  std::uint32_t ms_ = 0;
+  link::Address from_{};
+  std::uint8_t link_ = 0;
+};
+
 }  // namespace flotilla::app

@@ -49,6 +49,16 @@ bool undoes_stop(const PendingRequest& pending) {
   return command && meaning_of(*command).request != Request::kNone;
 }
 
+/// A late copy of this request could undo a newer one. Items of an upload are numbered, and other
+/// requests change nothing.
+bool could_undo(const RequestMessage& request) {
+  const auto command = command_of(request);
+  return (command && !meaning_of(*command).reads_only()) ||
+         std::holds_alternative<link::ParamSet>(request) ||
+         std::holds_alternative<link::MissionCount>(request) ||
+         std::holds_alternative<link::MissionClearAll>(request);
+}
+
 bool asks_for_message(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
   return command && meaning_of(*command).message;
@@ -103,12 +113,12 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   if (received.target.system != 0) forward(link, received, now_us, counters);
   if (!identity_.addressed(received.target)) return true;
   if (Setpoints::is_one(received.id)) setpoints_.heard(received.from, now_us);
-  if (take_rc(received, now_us)) return true;
+  if (take_rc(link, received, now_us)) return true;
   if (received.target.system != 0 && !identity_.is_autopilots(received.target)) {
     if (const auto why = refusal_of(received.id); !why.empty()) ignored_ = why;
   }
   if (const auto* sticks = std::get_if<link::ManualControl>(&received.message)) {
-    take_sticks(received, *sticks, now_us, counters);
+    take_sticks(link, received, *sticks, now_us, counters);
     return true;
   }
   const auto request = std::visit(RequestOf{ftp_}, received.message);
@@ -126,7 +136,10 @@ void Vehicle::keep(std::size_t link, const link::Received& received, const Reque
                                received.target,
                                static_cast<std::uint8_t>(link),
                                may_command(received.from)};
-  const bool copy = copies_.note_and_match(received, links_.frame(link), link, now_us);
+  const bool copy = Setpoints::is_one(received.id)
+                        ? !setpoint_link_.takes(received.from, link, now_us)
+                        : could_undo(request) &&
+                              copies_.note_and_match(received, links_.frame(link), link, now_us);
   if (!copy || stops(pending)) inbox_.push(pending, counters);
 }
 
@@ -150,22 +163,23 @@ void Vehicle::forward(std::size_t link, const link::Received& received, std::int
 }
 
 /// Accepts sticks only from an operator who may command, and only if addressed to this boat.
-void Vehicle::take_sticks(const link::Received& received, const link::ManualControl& message,
-                          std::int64_t now_us, link::Counters& counters) {
+void Vehicle::take_sticks(std::size_t link, const link::Received& received,
+                          const link::ManualControl& message, std::int64_t now_us,
+                          link::Counters& counters) {
   const auto surge = convert::stick_of(message.x), yaw = convert::stick_of(message.r);
   if (!surge || !yaw) {
     ++counters.mavlink_bad_value;
     return;
   }
   const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
-  if (ours && may_command(received.from)) {
+  if (ours && may_command(received.from) && stick_link_.takes(received.from, link, now_us)) {
     supervisor_.take_sticks({*surge, *yaw}, received.from, now_us);
   }
 }
 
 /// Accepts RC from a receiver of the own system, or from an operator who may command. False if the
 /// message is to be treated as any other.
-bool Vehicle::take_rc(const link::Received& received, std::int64_t now_us) {
+bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int64_t now_us) {
   const auto channel = configuration_.operators.rc_switch;
   std::span<const std::uint16_t> pulses_us;
   if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
@@ -174,6 +188,7 @@ bool Vehicle::take_rc(const link::Received& received, std::int64_t now_us) {
   } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
     const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
     if (!channel || !ours || !may_command(received.from)) return false;
+    if (!override_link_.takes(received.from, link, now_us)) return true;
     pulses_us = given->pulses;
   } else {
     const auto* status = std::get_if<link::SysStatus>(&received.message);
@@ -271,11 +286,10 @@ bool Vehicle::answer(link::Counters& counters) {
 
 /// Judges AUTO by the way from the boat's present place to the item that is chosen now.
 Supervisor::Decision Vehicle::judge(Request request) {
-  if (request == Request::kAuto && supervisor_.state() != State::kAuto &&
-      missions_.fence().is_on()) {
+  if (request == Request::kAuto && supervisor_.state() != State::kAuto) {
     const auto here = place();
     if (here) missions_.check_way(*here, configuration_.plan);
-    if (!here || !missions_.plan_keeps_fence(false)) supervisor_.withdraw(core::kPlanReady);
+    if (!here || !missions_.plan_is_sound(false)) supervisor_.withdraw(core::kPlanReady);
   }
   return supervisor_.request(request, now_us_);
 }

@@ -137,9 +137,10 @@ class Vehicle {
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
   // Rare work is cold: inlined, it would enlarge the stack of `take`, which handles every state.
-  [[gnu::cold]] void take_sticks(const link::Received& received, const link::ManualControl& sticks,
-                                 std::int64_t now_us, link::Counters& counters);
-  bool take_rc(const link::Received& received, std::int64_t now_us);
+  [[gnu::cold]] void take_sticks(std::size_t link, const link::Received& received,
+                                 const link::ManualControl& sticks, std::int64_t now_us,
+                                 link::Counters& counters);
+  bool take_rc(std::size_t link, const link::Received& received, std::int64_t now_us);
   [[gnu::cold]] void keep(std::size_t link, const link::Received& received,
                           const RequestMessage& request, std::int64_t now_us,
                           link::Counters& counters);
@@ -185,6 +186,7 @@ class Vehicle {
   Router router_;
   Inbox inbox_;
   Copies copies_;
+  StreamLink stick_link_, override_link_, setpoint_link_;
   ParameterService parameter_service_;
   MissionService missions_;
   LogService logs_;
@@ -195,9 +197,9 @@ class Vehicle {
   TimesyncSender timesync_;
   SailingOrders orders_;
   struct Stop {
-    std::int64_t us = 0;
+    std::int64_t us = std::numeric_limits<std::int64_t>::min() / 2;
     link::Address by{};
-    std::uint8_t links = 0;  ///< it came on, by bits; 0: none yet
+    std::uint8_t links = 0;  ///< it came on, by bits
   };
   Stop stop_;                           // an operator's last one
   std::optional<std::size_t> reached_;  // item
