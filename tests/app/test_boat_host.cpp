@@ -119,7 +119,7 @@ TEST_CASE_TEMPLATE("a link whose device is not there is told on the others", S, 
   Harbour<S> h;
   h.boat.on_host({.closed_links = 0b100});
   h.step();
-  CHECK(h.says("MAVLink link 3 is not open"));
+  CHECK(h.says("MAVLink link 2 is not open"));
 }
 
 TEST_CASE_TEMPLATE("told by its host to leave, a boat sends zeros and ArmingStatus 0", S, float,

@@ -97,8 +97,10 @@ class LiveFleet:
         end_s = time.monotonic() + _PATIENCE_S
         while not (told := self.command(self.by_udp, "status")[1]).startswith(verdict):
             assert time.monotonic() < end_s, self.words()
-            # On a busy machine a boat may stop, as its states are late.
-            if "is in HOLD" in told:
+            # On a busy machine a boat may stop, the leader too, as its states are late.
+            if "nobody in formation" in told and "HOLD" in told:
+                self.command(self.by_udp, "loiter", "--boats=1")
+            if "HOLD" in told:
                 self.command(self.by_udp, "follow", "--boats=2,3,4")
 
     def close(self) -> None:

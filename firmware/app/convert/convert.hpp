@@ -74,7 +74,7 @@ std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& message
 
 /// A vessel that an AIS receiver reports: the report's age on arrival, and how far the hull reaches
 /// from the position, m (0: unknown). Without a course or a speed the vessel counts as still.
-/// Nothing if there is no fix, or no ship can be that fast. The vessel rests below 0.3 m/s, or
+/// Nothing if there is no fix. The vessel rests below 0.3 m/s, or
 /// below 3 kn at anchor, moored or aground.
 template <class S>
 struct AisReport {

@@ -111,6 +111,8 @@ Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
   return {stamp_us, 0, 0, psi, S(0), S(0), heading.r_radps};
 }
 
+constexpr int kFastestShip_cmps = static_cast<int>(kFastest_mps) * 100;
+
 /// A vessel that reports itself at anchor, moored or aground counts as at rest up to 3 kn, as in
 /// ITU-R M.1371. Above that its status is outdated.
 bool rests(const link::AisVessel& m) {
@@ -119,7 +121,7 @@ bool rests(const link::AisVessel& m) {
   const std::uint8_t status = m.navigational_status;
   const bool told =
       status == mav::kAisAnchored || status == mav::kAisMoored || status == mav::kAisAground;
-  if ((m.flags & mav::kAisSpeed) == 0) return told;
+  if ((m.flags & mav::kAisSpeed) == 0 || m.velocity > kFastestShip_cmps) return told;
   return m.velocity < (told ? kDrifts_cmps : kStill_cmps);
 }
 
@@ -235,11 +237,12 @@ std::optional<Sample<S>> sample_of(const link::FollowTarget& m, const HeadingSam
 template <class S>
 std::optional<AisReport<S>> ais_report_of(const link::AisVessel& m) {
   namespace mav = link::mav;
-  constexpr int kFullTurn_cdeg = 36'000, kFastest_cmps = static_cast<int>(kFastest_mps) * 100;
+  constexpr int kFullTurn_cdeg = 36'000;
   constexpr std::uint16_t kMoves = mav::kAisCourse | mav::kAisSpeed;
-  const bool moves = (m.flags & kMoves) == kMoves && m.COG < kFullTurn_cdeg;
-  if (!is_fix(m.lat, m.lon) || (m.flags & mav::kAisFast) != 0) return std::nullopt;
-  if (moves && m.velocity > kFastest_cmps) return std::nullopt;
+  if (!is_fix(m.lat, m.lon)) return std::nullopt;
+  // Receivers also report a course of 360 deg or a speed of 102.3 kn for "not available".
+  const bool moves = (m.flags & (kMoves | mav::kAisFast)) == kMoves && m.COG < kFullTurn_cdeg &&
+                     m.velocity <= kFastestShip_cmps;
   // tslc counts whole seconds, rounded down: adds one.
   AisReport<S> out{{}, (std::int64_t{m.tslc} + 1) * 1'000'000, S(0), rests(m)};
   out.sample.at = {m.lat, m.lon};

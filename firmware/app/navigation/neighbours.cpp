@@ -2,6 +2,7 @@
 #include "app/navigation/neighbours.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "app/convert/portable.hpp"
@@ -17,9 +18,17 @@ constexpr std::int64_t kHidden_us = 60'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
 constexpr std::uint32_t kLastSystem = 255;
+// Of too many vessels, one that moves counts as nearer by its way in this time, so that boats at
+// rest do not hide a ship that approaches.
+constexpr float kFarSighted_s = 30;
 constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
 constexpr std::int64_t kDrift = 1'000;  // no two clocks drift apart by 1/kDrift
 constexpr float kDeepest = 250;
+
+/// Way in kFarSighted_s of who has these velocities, or up to 1.4 times as much.
+float way_of(float ahead_mps, float aside_mps) {
+  return kFarSighted_s * (std::abs(ahead_mps) + std::abs(aside_mps));
+}
 
 bool is_vehicle(const link::Heartbeat& beat) {
   // MAV_TYPE: generic, tracker, station, companion, and parts of vehicles. Source: mavlink.io.
@@ -157,7 +166,9 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   const auto controller_input = convert::controller_input_of<S>(own, {}, there, motion);
   const core::Vec2<S>& apart_n = controller_input.separation_n;
   const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
-  Vessel* vessel = place_for(id, apart_m, own, now_us);
+  const float way_m = way_of(static_cast<float>(convert::number(seen.u_mps)),
+                             static_cast<float>(convert::number(seen.v_mps)));
+  Vessel* vessel = place_for(id, apart_m - double{way_m}, own, now_us);
   if (vessel == nullptr) return nullptr;
   if (!date(*vessel, seen.stamp_us, now_us)) {
     if (apart_m < double{least_m_ + vessel->reach_m}) refused_near_us_ = now_us;
@@ -227,6 +238,7 @@ Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
 }
 
 /// The vessel's own entry, else a free one, else that of the farthest vessel if this one is nearer.
+/// Both distances are less the way in kFarSighted_s.
 Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
                                           const convert::Position& own, std::int64_t now_us) {
   if (Vessel* known = find(id)) return known;
@@ -235,7 +247,8 @@ Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
   for (Vessel& v : vessels_) {
     const bool free = v.id == 0 || now_us - std::max(v.true_us, v.late_us) > patience_us(v);
     const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
-                                                     convert::number(v.east_m - own.east_m))
+                                                     convert::number(v.east_m - own.east_m)) -
+                                         double{way_of(v.v_north_mps, v.v_east_mps)}
                                    : std::numeric_limits<double>::max();
     if (!free && !(far_m > farthest_m)) continue;
     place = &v;

@@ -422,12 +422,10 @@ TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
   Watch rest;
   rest.hear(255, still);
   CHECK(core::length(rest.look().vessels[0].v_n) == 0);
-  for (int wrong = 0; wrong < 4; ++wrong) {
+  for (int wrong = 0; wrong < 2; ++wrong) {
     link::AisVessel bad = ship(40, 0);
     if (wrong == 0) bad.lat = 910'000'000;
-    if (wrong == 1) bad.velocity = 5001;
-    if (wrong == 2) bad.flags |= link::mav::kAisFast;
-    if (wrong == 3) bad.MMSI = 7;  // would be a system id
+    if (wrong == 1) bad.MMSI = 7;  // would be a system id
     Watch none;
     none.hear(255, bad);
     CHECK(none.look().count == 0);
@@ -435,6 +433,46 @@ TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
   Watch off(0);
   off.hear(255, ship(40, 0));
   CHECK(off.look().count == 0);
+}
+
+TEST_CASE("a ship whose speed or course is not available counts where it is") {
+  for (int unknown = 0; unknown < 4; ++unknown) {
+    CAPTURE(unknown);
+    link::AisVessel m = ship(40, 0);
+    if (unknown == 0) m.velocity = 5263;  // 102.3 kn
+    if (unknown == 1) m.COG = 36'000;
+    if (unknown == 2) m.flags |= link::mav::kAisFast;
+    if (unknown == 3) m.velocity = 5001;
+    Watch w;
+    w.hear(255, m);
+    REQUIRE(w.look().count == 1);
+    CHECK(core::length(w.look().vessels[0].v_n) == 0);
+  }
+  link::AisVessel anchored = ship(40, 0);
+  anchored.velocity = 5263;
+  anchored.navigational_status = link::mav::kAisAnchored;
+  Watch w;
+  w.hear(255, anchored);
+  CHECK(w.look(380 * kSecond_us).count == 1);
+}
+
+TEST_CASE("yachts at rest do not hide a ship that approaches") {
+  for (const bool first : {false, true}) {
+    CAPTURE(first);
+    Watch w;
+    link::AisVessel fast = ship(150, 0);
+    fast.velocity = 800;
+    if (first) w.hear(255, fast);
+    for (std::uint32_t i = 0; i < 9; ++i) {
+      link::AisVessel yacht = ship(50 + 5.0 * i, 0, 211'000'100 + i);
+      yacht.velocity = 0;
+      w.hear(255, yacht);
+    }
+    if (!first) w.hear(255, fast);
+    const auto seen = w.look();
+    CHECK(seen.count == 8);
+    CHECK(std::ranges::any_of(seen.vessels, [](const auto& v) { return v.v_n.y > 7; }));
+  }
 }
 
 TEST_CASE("behind a leader that tells no depth a boat is one deep; nonsense is no depth") {

@@ -326,7 +326,7 @@ def test_a_boat_without_one_of_its_links_sails_by_the_others_and_says_so(
     sea.start(f"--mavlink={absent}")
     sea.enter_formation()
     assert f"flotillad: {absent} is not open: {why}" in sea.process.words.splitlines()
-    assert "MAVLink link 3 is not open" in sea.texts()
+    assert "MAVLink link 2 is not open" in sea.texts()
 
 
 def test_a_boat_whose_port_somebody_has_gets_it_when_it_is_free(sea: RealSea) -> None:

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import can
+import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.doctor.checkup import examine
@@ -42,6 +43,7 @@ CONFIG = "/etc/flotilla/boat.toml"
 KEY = bytes(range(100, 132))
 LISTEN_S = 0.7
 _SPEAK_S = 0.04
+_LEAST_TURNS = 0.75  # of those due; with fewer, a doctor rightly complains of this machine
 
 Say = Callable[["Speaker"], list[Any]]
 
@@ -179,15 +181,26 @@ class Patient:
         return [f for f in found if "is a simulated bus" not in f.what]
 
     def while_speaking(self, doctor: Callable[[], Any]) -> Any:
+        """The doctor's result, at the second attempt if this machine was too slow to speak."""
+        for _ in range(2):
+            result, share = self._while_speaking(doctor)
+            if share >= _LEAST_TURNS:
+                return result
+        pytest.skip(f"not judged: this machine is too slow: {share:.0%} of the messages were sent")
+
+    def _while_speaking(self, doctor: Callable[[], Any]) -> tuple[Any, float]:
         # A real line may be opened again once it is closed; this one stays open here.
         fcntl.ioctl(self._slave, termios.TIOCNXCL)
+        begin_s, turns = time.monotonic(), 0
         with ThreadPoolExecutor(1) as pool:
             future = pool.submit(doctor)
             while not future.done():
                 select.select([self._radio.fileno(), self._line], [], [], _SPEAK_S)
                 self._listen()
                 self._speak()
-            return future.result()
+                turns += 1
+            due = (time.monotonic() - begin_s) / _SPEAK_S
+            return future.result(), (turns + 1) / (due + 1)
 
     def _listen(self) -> None:
         now_s = time.monotonic()

@@ -129,7 +129,7 @@ Sentence too_deep(std::size_t depth, float certified) {
 
 Sentence link_is_closed(std::uint8_t links) {
   Sentence closed;
-  closed << "MAVLink link " << static_cast<float>(std::countr_zero(links) + 1) << " is not open";
+  closed << "MAVLink link " << static_cast<float>(std::countr_zero(links)) << " is not open";
   return closed;
 }
 

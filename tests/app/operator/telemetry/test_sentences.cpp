@@ -54,7 +54,7 @@ TEST_CASE("a voyage's steps are told from 1, with their names") {
 }
 
 TEST_CASE("links count from 1, and the first closed one is told") {
-  CHECK(told(link_is_closed(0b110)) == "MAVLink link 2 is not open");
+  CHECK(told(link_is_closed(0b110)) == "MAVLink link 1 is not open");
 }
 
 }  // namespace
