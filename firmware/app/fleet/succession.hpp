@@ -18,8 +18,8 @@ struct FleetPeer {
   bool leads = false;       ///< as last reported
   std::uint16_t epoch = 0;  ///< 0: no beacon yet, and may be fit
   std::uint8_t hears = FleetTable::kMax;  ///< rank of the leader that it hears itself; kMax: none
-  bool behind = false;                    ///< it follows that leader itself
-  bool current = true;  ///< `hears` is not older than this boat's own loss of that leader
+  bool behind : 1 = false;                ///< it follows that leader itself
+  bool current : 1 = true;  ///< `hears` is not older than this boat's own loss of that leader
 };
 
 /// This boat.

@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kLeaderSilent_us = 3'000'000;
 // When boats of a fleet are attached anew, a new leader's messages still on their way may say that it
 // follows this boat. They do not count.
-constexpr std::int64_t kAttaches_us = 1'000'000;
+constexpr std::uint32_t kAttaches_ms = 1000;
 // A boat whose leader's reference is older than kOld_us starts its own branch. It rejoins only
 // after kSteady_us of references younger than kYoung_us, so that a deep boat on a bad radio does
 // not alternate.
@@ -44,8 +44,9 @@ std::optional<RootOffset> TreePlace::behind(const RootOffset& leaders) const {
 void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
                      std::int64_t now_us) {
   const bool followed = (m.flags & link::mav::kReferenceFollowed) != 0;
-  if (!word_) first_us_ = now_us;
-  const bool cycle = now_us - first_us_ >= kAttaches_us &&
+  const auto now_ms = static_cast<std::uint32_t>(now_us / 1000);
+  if (!word_) first_ms_ = now_ms;
+  const bool cycle = now_ms - first_ms_ >= kAttaches_ms &&
                      std::memchr(m.path.data(), own_.system, m.path.size()) != nullptr;
   const RootOffset offset{m.offset_n, m.offset_b};
   word_.emplace(now_us, Branch{m.root, m.maker}, offset, behind(offset), m.path, length_of(m.path),

@@ -76,8 +76,8 @@ class TreePlace {
   Own own_;
   std::optional<RootOffset> alone_{RootOffset{}};  // our slot relative to the leader
   std::optional<Word> word_;
-  std::int64_t first_us_ = 0;      // first message of this leader
   bool leads_ = true;              // the leader's reference is young enough
+  std::uint32_t first_ms_ = 0;     // first message of this leader
   std::int64_t not_young_us_ = 0;  // last time it was older than kYoung_us
 };
 
