@@ -58,9 +58,9 @@ def test_live_boats_are_where_the_lockstep_has_them(live: Path, diamond: tuple[R
 
 
 def states_after_release(boat: dict[str, Any]) -> list[str]:
-    """The reported states, without a HOLD in the first 0.1 s, which was sent before the release."""
+    """The reported states, without a HOLD in the first 0.5 s, which was sent before the release."""
     states = boat["states"]
-    if len(states) > 1 and states[0][1] == "HOLD" and states[1][0] < 0.1:
+    if len(states) > 1 and states[0][1] == "HOLD" and states[1][0] < 0.5:
         states = states[1:]
     return [state for _, state in states]
 
