@@ -147,7 +147,7 @@ def test_a_jump_to_a_jump_is_refused_because_its_leg_is_not_judged() -> None:
     sea.settle()
     plan = [at(0, 0), at(9, 0), jump(0, 1), at(9, 9), at(0, 9), jump(2, 1)]
     assert send(sea, PLAN, plan) == INVALID_PARAM1
-    assert words(sea)[-1] == "Plan refused at item 5: jump leads to a jump"
+    assert words(sea)[-1] == "Plan refused at item 5: jump to a jump"
 
 
 @pytest.mark.parametrize(

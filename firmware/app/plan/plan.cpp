@@ -113,7 +113,7 @@ PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
   }
   const auto is_jump = [](const PlanItem& i) { return i.command == mav::kDoJump; };
   if (std::any_of(loop.begin(), first, is_jump)) {
-    return {mav::kMissionInvalidParam1, "jump leads to a jump"};
+    return {mav::kMissionInvalidParam1, "jump to a jump"};
   }
   const auto jumps = static_cast<std::size_t>(std::ranges::count_if(plan, is_jump));
   return jumps > PlanReader::kJumps ? PlanFault{mav::kMissionNoSpace, {}} : PlanFault{};
@@ -265,7 +265,7 @@ PlanPoint PlanReader::point_of(const PlanItem& item, const convert::GlobalPoint&
 convert::GlobalPoint corner_of(const PlanItem& item, const PlanDefaults& defaults,
                                std::size_t octant) {
   const double far_m = double{room_of(item, defaults)};
-  const auto& [north, east] = kOctants[octant % kOctants.size()];
+  const auto& [north, east] = kOctants[octant];
   return convert::global_of({far_m * double{north}, far_m * double{east}, {item.x, item.y, 0, 0}});
 }
 
