@@ -28,7 +28,7 @@ constexpr float kDeepest = 250;
 /// Way in kFarSighted_s of who has these velocities, or up to 1.4 times as much. The
 /// microcontroller's image has no room for this rule.
 float way_of(float ahead_mps, float aside_mps) {
-  if (FLOTILLA_KEEPS_FLEET == 0) return 0;
+  if (FLOTILLA_WEIGHS_SPEED == 0) return 0;
   return kFarSighted_s * (std::abs(ahead_mps) + std::abs(aside_mps));
 }
 
