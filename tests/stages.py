@@ -2,7 +2,8 @@
 """Runs every check as a graph of stages, in parallel where they are independent.
 
 Each stage writes out/test/STAGE.log, which is printed if the stage fails. Exit status 1 if a stage
-fails, runs no test, or, with --no-skip or CI=true, skips a test.
+fails, runs no test, or, with --no-skip or CI=true, skips a test. A test in real time that fails is
+repeated alone once; if it passes then, it is listed as not judged, with the first failure.
 """
 
 import argparse
@@ -17,10 +18,12 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import BinaryIO
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).parents[1]
 OUT = ROOT / "out" / "test"
+TESTS_FAILED = 1  # exit status of pytest
 IMPOSSIBLE = 77  # exit status of tools/with-vcan if vcan is unavailable
 NOT_JUDGED = "not judged: "
 SLOWEST = 25
@@ -54,7 +57,8 @@ class Stage:
     """`commands` run in sequence after the stages `after`; `tests`: whether they run tests.
 
     `live`: in real time; one such stage runs at a time, those beside it have a lower priority
-    (`nice`). Else tests/punctual.py finds the machine too slow to judge boats.
+    (`nice`). Else tests/punctual.py finds the machine too slow to judge boats. `again` repeats the
+    tests that failed in the last command.
     """
 
     name: str
@@ -63,11 +67,15 @@ class Stage:
     tests: bool = False
     live: bool = False
     nice: int = 10
+    again: str = ""
 
 
 @dataclass
 class Result:
-    """The result of a stage; `why`: the reason of a failure, empty if it passed."""
+    """The result of a stage; `why`: the reason of a failure, empty if it passed.
+
+    `repeated`: tests failed, and each passed when it was repeated.
+    """
 
     stage: Stage
     wall_s: float = 0
@@ -77,6 +85,7 @@ class Result:
     failed: int = 0
     skipped: list[str] = field(default_factory=list)
     not_judged: list[str] = field(default_factory=list)
+    repeated: bool = False
 
 
 def stages(options: argparse.Namespace) -> list[Stage]:
@@ -84,6 +93,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     out = shlex.quote(str(OUT))
     junit = f"--junitxml={out}/{{}}.xml"
     pytest = ".venv/bin/pytest -rs -o junit_family=xunit1"
+    in_time = f"{pytest} -o cache_dir={out}/{{}}.failed"
     workers = "--numprocesses {} --dist loadfile --no-loadscope-reorder"
     every = " --all" if options.all else ""
     fuzz_s = 300 if options.all else 2
@@ -106,11 +116,14 @@ def stages(options: argparse.Namespace) -> list[Stage]:
                        "ruff format --check .", "ruff check .", "mypy"), nice=0),
         Stage("release", (f"tools/build release {RELEASE}",)),
         Stage("vcan", ("tools/with-vcan build/release/tests/socketcan_tests",
-                       f"tools/with-vcan {pytest} {junit.format('vcan')}{every} tests/vcan"),
-              ("release",), tests=True, live=True, nice=0),
-        Stage("live", (f"{pytest} {junit.format('live')} {live} {workers.format(4)}{every}"
-                       f" {words if options.only == 'live' else ''}",),
-              ("release",), tests=True, live=True, nice=0),
+                       f"tools/with-vcan {in_time.format('vcan')} {junit.format('vcan')}{every}"
+                       " tests/vcan"),
+              ("release",), tests=True, live=True, nice=0,
+              again=f"tools/with-vcan {in_time.format('vcan')} --last-failed{every} tests/vcan"),
+        Stage("live", (f"{in_time.format('live')} {junit.format('live')} {live}{every}"
+                       f" {workers.format(4)} {words if options.only == 'live' else ''}",),
+              ("release",), tests=True, live=True, nice=0,
+              again=f"{in_time.format('live')} --last-failed {live}{every}"),
         Stage("python", (f"{pytest} {junit.format('python')} {not_live} {workers.format(3)}{every}"
                          f" {words}",),
               ("release",), tests=True),
@@ -144,29 +157,40 @@ def run(stage: Stage) -> Result:
     log = OUT / f"{stage.name}.log"
     with log.open("wb") as file:
         for command in stage.commands:
-            file.write(f"$ {command}\n".encode())
-            file.flush()
-            process = subprocess.Popen(
-                ["nice", f"-n{stage.nice}", "bash", "-c", command],
-                cwd=ROOT,
-                stdin=subprocess.DEVNULL,
-                stdout=file,
-                stderr=file,
-            )
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            result.cpu_s += usage.ru_utime + usage.ru_stime
-            if process.returncode == IMPOSSIBLE and stage.name == "vcan":
+            status = execute(command, result, file)
+            if status == IMPOSSIBLE and stage.name == "vcan":
                 result.skipped.append(f"tests on the kernel's CAN: {last_line(log)}")
                 break
-            if process.returncode:
-                result.why = f"`{command}` ended with status {process.returncode}"
+            result.repeated = (
+                status == TESTS_FAILED
+                and command == stage.commands[-1]
+                and bool(stage.again and not execute(stage.again, result, file))
+            )
+            if status and not result.repeated:
+                result.why = f"`{command}` ended with status {status}"
                 break
     result.wall_s = time.monotonic() - begin
     count(result, log)
     if stage.tests and not (result.why or result.skipped or result.passed):
         result.why = "no test was run"
     return result
+
+
+def execute(command: str, result: Result, log: BinaryIO) -> int:
+    """Run a command of a stage and add its CPU time; its exit status."""
+    log.write(f"$ {command}\n".encode())
+    log.flush()
+    process = subprocess.Popen(
+        ["nice", f"-n{result.stage.nice}", "bash", "-c", command],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        stdout=log,
+        stderr=log,
+    )
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    result.cpu_s += usage.ru_utime + usage.ru_stime
+    return process.returncode
 
 
 def last_line(log: Path) -> str:
@@ -178,13 +202,17 @@ def count(result: Result, log: Path) -> None:
     """Count the tests of pytest and ctest in their reports, of doctest and fuzzer in the log."""
     for case in test_cases(result.stage.name):
         skipped = case.find("skipped")
-        if case.find("failure") is not None or case.find("error") is not None:
+        where = f"{case.get('file') or case.get('classname')}::{case.get('name')}"
+        failure = next((fault for fault in case if fault.tag in {"failure", "error"}), None)
+        if failure is not None and result.repeated:
+            first = (failure.get("message") or "for no reason").splitlines()[0]
+            result.not_judged.append(f"{where}: passed when repeated; failed with: {first}")
+        elif failure is not None:
             result.failed += 1
         elif skipped is None:
             result.passed += 1
         else:
             reason = skipped.get("message") or "for no reason"
-            where = f"{case.get('file') or case.get('classname')}::{case.get('name')}"
             if reason.startswith(NOT_JUDGED):
                 result.not_judged.append(f"{where}: {reason.removeprefix(NOT_JUDGED)}")
             else:

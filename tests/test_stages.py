@@ -83,6 +83,21 @@ def test_a_run_that_was_too_slow_to_be_judged_neither_passes_nor_fails(
     assert sums == "tests: 1 passed, 0 failed, 1 skipped"
 
 
+@pytest.mark.parametrize("again", ["true", "false", ""])
+def test_a_live_test_that_fails_is_judged_only_if_it_fails_again(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, again: str
+) -> None:
+    late = '<testcase classname="boat" name="sails"><failure message="late by 1 s"/></testcase>'
+    report = f'<testsuite><testcase classname="boat" name="floats"/>{late}</testsuite>'
+    write = f"echo '{report}' > {tmp_path}/live.xml; exit 1"
+    passed = again == "true"
+    live = Stage("live", ("true", write), tests=True, again=again)
+    assert ended([live], no_skip=True) == (not passed)
+    out = capsys.readouterr().out
+    told = "NOT JUDGED: boat::sails: passed when repeated; failed with: late by 1 s"
+    assert (told in out) == passed
+
+
 def test_of_two_live_stages_the_second_waits_and_others_run_beside_the_first(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -13,7 +11,7 @@ import flotilla
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.linux.process import LOOPBACK, PATIENT, RealSea
+from tests.linux.process import LOOPBACK, PATIENT, RealSea, free_port
 from tests.target.stations import BOAT
 
 ESCS_SILENT = "PreArm: ESCs are not online"
@@ -29,22 +27,6 @@ def parameters(autopilot: float = 0.0) -> dict[str, float]:
     given = {**PATIENT, "MAV_AUTOPILOT": autopilot}
     boat: dict[str, float] = flotilla.Boat(parameters=given).parameters()
     return boat
-
-
-def quiet_port(bus: int) -> int:
-    """A free port outside the ephemeral range, so that it stays free until the client takes it.
-
-    Parallel test runs have other buses and therefore other ports.
-    """
-    given = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text()
-    first, last = map(int, given.split())
-    for port in range(65535 - bus, 1023, -8):
-        if first <= port <= last:
-            continue
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, suppress(OSError):
-            probe.bind((LOOPBACK, port))
-            return port
-    raise AssertionError(f"no port is free outside {first} to {last}")
 
 
 class Client(Protocol):
@@ -80,7 +62,7 @@ class Sea(RealSea):
 
     def __init__(self, bus: int, folder: Path, autopilot: float = 0.0) -> None:
         super().__init__(bus, folder)
-        self.port = quiet_port(bus)
+        self.port = free_port()
         self.client: Client | None = None
         param = {**PATIENT, "MAV_AUTOPILOT": autopilot}
         self.start(f"--mavlink=udpout:{LOOPBACK}:{self.port}", param=param)

@@ -18,7 +18,6 @@ import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.clients.boat import quiet_port
 from tests.linux.process import LOOPBACK, PROGRAM, free_port
 from tests.live_buses import live_buses
 
@@ -30,7 +29,7 @@ class LiveFleet:
     """A live run of `lead`: boat 1 sails its plan, three boats follow in a diamond."""
 
     def __init__(self, bus: str, folder: Path) -> None:
-        self._udp = quiet_port(1)
+        self._udp = free_port()
         self._words = folder / "words"
         settings = ("link.everyone=true", "duration_s=300")
         with self._words.open("wb") as words:

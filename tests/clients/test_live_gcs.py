@@ -15,10 +15,10 @@ import psutil
 import pytest
 from mavsdk.plugins.mission.mission import MissionError
 
-from tests.clients.boat import Client, quiet_port
+from tests.clients.boat import Client
 from tests.clients.test_missions import Planner
 from tests.linux.conftest import bus
-from tests.linux.process import LOOPBACK, PROGRAM
+from tests.linux.process import LOOPBACK, PROGRAM, free_port
 
 __all__ = ["bus"]
 
@@ -43,7 +43,7 @@ class LiveFleet:
     """A live run in a process of its own; a client commands its boat: at `--gcs`, or by TCP."""
 
     def __init__(self, bus: int, folder: Path, *, tcp: bool) -> None:
-        self._udp = None if tcp else quiet_port(bus)
+        self._udp = None if tcp else free_port()
         self.client: Client | None = None
         self._words = folder / "words"
         scenario = folder / "alone.toml"

@@ -17,11 +17,11 @@ import pytest
 from mavsdk.plugins.log_files import LogFiles
 from mavsdk.plugins.log_files.log_files import LogFilesError, LogFilesResult
 
-from tests.clients.boat import BOTH_IDENTITIES, Sea, quiet_port
+from tests.clients.boat import BOTH_IDENTITIES, Sea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
 from tests.linux.conftest import bus
-from tests.linux.process import LOOPBACK, PROGRAM
+from tests.linux.process import LOOPBACK, PROGRAM, free_port
 
 __all__ = ["bus"]
 
@@ -79,7 +79,7 @@ class LogSea(Sea):
             (self.logs / name).write_bytes(random.Random(size).randbytes(size))
         for path in (self.logs, *self.logs.iterdir()):
             path.chmod(0o777)
-        self.losses = Losses(quiet_port(bus), share)
+        self.losses = Losses(free_port(), share)
         super().__init__(bus, folder, autopilot)
 
     def start(self, *_: str, **how: Any) -> None:
