@@ -2,7 +2,8 @@
 """Compares every published figure and picture with runs sailed here.
 
 Each push sails the law's table, `mismatch` with the seeds that its figures are those of, and some
-runs of the Monte Carlo; --all sails every seed and run, and draws the pictures.
+runs of the Monte Carlo, without the paper's law in long lines; --all sails every seed and run, and
+draws the pictures.
 """
 
 import argparse
@@ -19,7 +20,14 @@ from sil.campaign.run_outcome import result_of
 from sil.campaign.sampling import Sampler
 from sil.cli import results_command
 from sil.lockstep.world import Run, sail
-from sil.results import published, results, results_campaigns, results_readme, sailing
+from sil.results import (
+    published,
+    results,
+    results_campaigns,
+    results_fleets,
+    results_readme,
+    sailing,
+)
 from sil.results.claims import CLAIMS
 from sil.results.results_table import decisive
 from sil.results.sailing import Job, Outcome
@@ -29,10 +37,13 @@ from sil.scenario import scenario
 SHARE, LEAST = 1e-3, 1e-6
 # A pixel differs from 32 of 255 on: the 256 colours of a picture are chosen by all of it.
 PIXEL, PIXELS = 32, 1e-4
-FEW_RUNS = 10
+FEW_RUNS = 5
 # Lines that amplify errors until boats lose their leaders; a boat whose slot is refused.
 LOST = {(name, "paper") for name in ("line10", "line20", "line20_relay")}
 LOST |= {("diamond_frame1", "product")}
+# Long lines behind the paper's law, and two runs that the test of the fleets' table sails too.
+NIGHTLY = {Job(name, "paper") for name in ("line10", "line20", "line20_relay", "star20")}
+NIGHTLY |= {Job(name, "product") for name in ("line20", "line20_relay")}
 # Bounds that the pages say are missed.
 MISSED = [
     ("mismatch", "rms_error_m"),
@@ -59,7 +70,7 @@ def published_jobs() -> set[Job]:
 
 
 def jobs() -> list[object]:
-    quick = published_jobs()
+    quick = published_jobs() - NIGHTLY
     return [
         pytest.param(job, marks=() if job in quick else pytest.mark.nightly, id=str(job))
         for job in BY_JOB
@@ -101,6 +112,14 @@ def test_every_run_of_the_pages_is_noted_and_all_but_the_missed_bounds_are_reach
     assert {n for n, most in wanted.items() if NOTED.measured[n] > most} == MISSED_FIGURES
 
 
+def test_runs_that_are_in_the_fleets_table_too_have_the_same_figures_there() -> None:
+    """So a push, which sails them once for that table, holds this one."""
+    there = {outcome.job: outcome.figures for outcome in results_fleets.noted()}
+    both = BY_JOB.keys() & there.keys()
+    assert {job for job in NIGHTLY if job.law == "product"} <= both
+    assert all(BY_JOB[job].figures == there[job] for job in both), RENEW
+
+
 @pytest.mark.parametrize("job", jobs())
 def test_run_has_the_figures_that_are_noted(job: Job) -> None:
     outcome, noted = sailed(job), BY_JOB[job]
@@ -112,6 +131,7 @@ def test_run_has_the_figures_that_are_noted(job: Job) -> None:
     assert (states == {"FORMATION"}) == (job[:2] not in LOST)
 
 
+@pytest.mark.nightly  # each push: their limits, in test_leader_sources.py and test_radio_share.py
 def test_page_has_the_distances_behind_other_leaders_and_the_shares_of_the_radio() -> None:
     measured = results_readme.sail()
     assert measured.keys() == NOTED.measured.keys(), RENEW

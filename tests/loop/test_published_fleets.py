@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Compares the published figures of fleets with runs sailed here, and with their targets."""
+"""Compares the published figures of fleets with runs sailed here, and with their targets.
+
+Each push sails most cases, the one of many seeds with its first; --all sails all, and two seeds.
+"""
 
 import math
 
@@ -11,6 +14,11 @@ from sil.results.sailing import Job
 
 SHARE, LEAST = 1e-3, 1e-6  # figures are stored with 6 digits
 RENEW = "renew what is published, and look at it: flotilla results --fleets"
+# Of a step and a turn each push sails the harder run, in which messages are lost besides.
+NIGHTLY = (
+    "20 in a line, root 0.58 to 1.0 m/s at 150 s",
+    "20 in a line, root straight, then 0.35 rad/s",
+)
 # Targets that the page says are missed.
 MISSED = [("20 relayed only, 30 % lost a hop", "yaw_rate_radps")]
 
@@ -32,9 +40,13 @@ def test_every_case_is_noted_and_all_but_the_missed_targets_are_reached() -> Non
 @pytest.mark.parametrize(
     "job",
     [
-        pytest.param(job, id=f"{case.about}, {job.seed}")
+        pytest.param(
+            job,
+            marks=pytest.mark.nightly if case.about in NIGHTLY or k else (),
+            id=f"{case.about}, {job.seed}",
+        )
         for case in results_fleets.CASES
-        for job in case.jobs[:2]
+        for k, job in enumerate(case.jobs[:2])
     ],
 )
 def test_run_has_the_figures_that_are_noted(job: Job) -> None:
