@@ -3,6 +3,7 @@
 
 from collections.abc import Mapping
 from functools import cache
+from itertools import product
 from typing import Any
 
 import flotilla
@@ -14,18 +15,14 @@ from sil.certificate.references import references
 from sil.lockstep.start import RunError
 from sil.scenario import scenario
 from sil.scenario.law import Law
+from sil.scenario.scenario import Scenario
+from tests.each_push import few
 
 
 @pytest.mark.parametrize(
-    "delay_s",
-    [
-        pytest.param(
-            late_s, marks=pytest.mark.nightly if 0 < k < len(agreement.DELAYS_S) - 1 else ()
-        )
-        for k, late_s in enumerate(agreement.DELAYS_S)
-    ],
+    ("law", "delay_s"),
+    few(product(("product", "paper"), agreement.DELAYS_S), [("product", 0.2)]),
 )
-@pytest.mark.parametrize("law", ["product", "paper"])
 def test_a_chain_breaks_in_simulation_where_it_stops_being_certified(
     law: Law, delay_s: float
 ) -> None:
@@ -41,9 +38,11 @@ def followed(delay_s: float) -> chain.Chain:
     return chain.chain(late, references(late)[0], {"LAW_REF": 0.0})
 
 
-def test_each_hop_amplifies_more_the_later_the_radio_is() -> None:
-    most = [max(followed(delay_s).yaw.hop) for delay_s in (0.0, 0.1, 0.2)]
-    assert most == pytest.approx([1.56, 2.1, 2.8], abs=0.15)  # as measured in chains
+@pytest.mark.parametrize(
+    ("delay_s", "most"), few([(0.0, 1.56), (0.1, 2.1), (0.2, 2.8)], [(0.2, 2.8)])
+)
+def test_each_hop_amplifies_more_the_later_the_radio_is(delay_s: float, most: float) -> None:
+    assert max(followed(delay_s).yaw.hop) == pytest.approx(most, abs=0.15)  # measured in chains
 
 
 def test_a_slow_turn_is_passed_on_as_it_is() -> None:
@@ -88,15 +87,22 @@ def test_boat_that_leaves_formation_in_a_probe_is_named(state: str, named: bool)
     return None
 
 
+def relaying(loss: float) -> Scenario:
+    return scenario.load("line10", ["link.everyone=false", f"link.loss={loss}"])
+
+
+@pytest.mark.nightly
+def test_boats_that_relay_without_losses_are_certified_to_that_depth_too() -> None:
+    relayed = relaying(0.0)
+    assert chain.chain(relayed, references(relayed)[0], {}, most=3).certified == 3
+
+
 def test_depth_is_not_beyond_where_boats_break_in_runs_with_lost_messages(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(probe, "LOSSY_RUNS", 1)
-    found = {}
-    for loss in (0.0, 0.3):
-        relayed = scenario.load("line10", ["link.everyone=false", f"link.loss={loss}"])
-        found[loss] = chain.chain(relayed, references(relayed)[0], {}, most=3)
-    assert found[0.0].certified == found[0.3].certified == 3
+    relayed = relaying(0.3)
+    assert chain.chain(relayed, references(relayed)[0], {}, most=3).certified == 3
     real = probe.probe
 
     def jumping(*given: Any) -> probe.Probe:

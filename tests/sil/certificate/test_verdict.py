@@ -61,7 +61,11 @@ def test_what_is_wrong_is_said(straight: Certificate, changes: dict[str, Any], s
 
 
 @pytest.mark.parametrize(
-    ("name", "overrides"), [("lead", []), ("square", ["formation.boats=2", "fault=[]"])]
+    ("name", "overrides"),
+    [
+        ("lead", []),
+        pytest.param("square", ["formation.boats=2", "fault=[]"], marks=pytest.mark.nightly),
+    ],
 )
 def test_plans_with_straight_legs_in_a_current_are_certified_and_its_unknown_part_is_told(
     name: str, overrides: list[str]

@@ -83,14 +83,21 @@ def test_ten_boats_that_follow_each_other_are_not_certified(tmp_path: Path) -> N
     assert (tmp_path / "before" / "chain.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_ten_boats_that_hear_the_reference_are_certified(tmp_path: Path) -> None:
-    status, document = certified(tmp_path, "line10", "--set", "link.delay_s=0.1")
+@pytest.mark.parametrize("boats", [3, pytest.param(10, marks=pytest.mark.nightly)])
+def test_boats_that_hear_the_reference_are_certified(tmp_path: Path, boats: int) -> None:
+    line = ", ".join(
+        f"{{follows={i}, offset_m=[{-3.0 if i else 0.0}, 0.0], eta=[{-3.3 * i}, 0.7, 0.2]}}"
+        for i in range(boats)
+    )
+    fewer = ("--set", f"boat=[{line}]") if boats < 10 else ()
+    status, document = certified(tmp_path, "line10", "--set", "link.delay_s=0.1", *fewer)
     assert status == 0
     (leg,) = document["legs"]
-    assert leg["chain"]["certified"] == 10
+    assert leg["chain"]["certified"] == boats
     assert max(leg["chain"]["yaw"]["hop"]) < 0.3
 
 
+@pytest.mark.nightly  # each push: the next one
 @pytest.mark.usefixtures("no_chain")
 def test_weak_propellers_are_not_certified(tmp_path: Path) -> None:
     weak = ("--set", "propellers.forward_max_N=1.2", "--param", "THR_FWD_MAX=1.2")
@@ -110,6 +117,7 @@ def test_propellers_without_reverse_are_named(
     assert "the slot needs reverse thrust, but the" in document["verdict"]
 
 
+@pytest.mark.usefixtures("no_chain")
 def test_straight_leg_is_not_certified_with_the_papers_law(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -121,9 +129,19 @@ def test_straight_leg_is_not_certified_with_the_papers_law(
     assert "no persistent excitation" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.usefixtures("no_chain")
 def test_straight_leg_is_certified_with_the_products_law_each_time_with_the_same_words(
     tmp_path: Path,
 ) -> None:
+    certify_twice(tmp_path)
+
+
+@pytest.mark.nightly
+def test_chains_are_certified_each_time_with_the_same_words_too(tmp_path: Path) -> None:
+    certify_twice(tmp_path)
+
+
+def certify_twice(tmp_path: Path) -> None:
     for name in ("one", "two"):
         leg = ("diamond", "--law", "product", "--set", SINE)
         assert certified(tmp_path / name, *leg)[0] == 0
@@ -131,6 +149,7 @@ def test_straight_leg_is_certified_with_the_products_law_each_time_with_the_same
     assert one == two
 
 
+@pytest.mark.usefixtures("no_chain")
 def test_leader_that_stops_and_goes_is_looked_at_in_both(tmp_path: Path) -> None:
     inputs = "[{surge_N = 2.0}, {from_s = 60.0}, {from_s = 90.0, surge_N = 2.0}]"
     arguments = ("diamond", "--law", "product", "--set", f"leader.input={inputs}")

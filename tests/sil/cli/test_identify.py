@@ -18,7 +18,7 @@ SIZES = ("--mass", "17.14", "--length", "1.2", "--arm", "0.28")
 
 def written(folder: Path, *, swapped: bool) -> Path:
     rng = np.random.default_rng(3)
-    log = sail(levels(rng, 160.0), rng)
+    log = sail(levels(rng, 130.0), rng)
     commands = log.commands[:, ::-1] if swapped else log.commands
     t = np.arange(len(log.motion)) * SAMPLE_S
     path = folder / "log.csv"
@@ -43,6 +43,7 @@ def test_a_log_becomes_a_page_parameters_and_a_hull_for_scenarios(
     assert "Good: predictions over 10 s of logs" in page and "data:image/png" in page
 
 
+@pytest.mark.nightly  # each push: tests/sil/identify/test_propeller_signs.py
 def test_swapped_propellers_get_no_parameters(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

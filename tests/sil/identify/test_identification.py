@@ -26,7 +26,7 @@ BOAT = Boat(mass_kg=HULL.m11 / 1.05)
 @cache
 def found() -> Identification:
     rng = np.random.default_rng(5)
-    log = sail(levels(rng, 400.0), rng, current=(0.08, -0.05))
+    log = sail(levels(rng, 260.0), rng, current=(0.08, -0.05))
     return identify([log], BODY, lambda _: None)
 
 
@@ -109,6 +109,13 @@ def test_gains_that_are_derived_fit_the_hull_that_was_found(tmp_path: Path) -> N
     identify_files.write_hull(found(), BOAT, tmp_path)
     fitting, told = one_hull.fits(tmp_path / "hull.toml", {}, lambda *_: None)
     assert fitting and told.startswith("certified about the formation"), told
+    fitting, told = one_hull.fits(tmp_path / "hull.toml", {"THR_FWD_MAX": 3.0}, lambda *_: None)
+    assert not fitting and told.startswith("not certified"), told
+
+
+@pytest.mark.nightly
+def test_a_gain_that_is_far_too_high_does_not_fit_the_hull_that_was_found(tmp_path: Path) -> None:
+    identify_files.write_hull(found(), BOAT, tmp_path)
     fitting, told = one_hull.fits(tmp_path / "hull.toml", {"LAW_KDR": 9000.0}, lambda *_: None)
     assert not fitting and told.startswith("not certified"), told
 

@@ -50,6 +50,7 @@ def found() -> Identification:
     return identify(logs(), BODY, lambda _: None)
 
 
+@pytest.mark.nightly
 def test_either_half_predicts_the_other() -> None:
     for score in scores():
         assert score is not None
