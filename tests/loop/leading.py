@@ -51,10 +51,14 @@ class Sailed:
 
 
 def sail(
-    names: Sequence[str], weather: str = "still", position: tuple[float, float] = (0.02, 0.03)
+    names: Sequence[str],
+    weather: str = "still",
+    position: tuple[float, float] = (0.02, 0.03),
+    as_long_as: Sequence[str] = (),
 ) -> dict[str, Sailed]:
-    """Sail these routes together, one run each."""
-    chosen = scenarios_of(names, weather, position)
+    """Sail these routes together, one run each, as long as the longest, also of `as_long_as`."""
+    every = list(dict.fromkeys([*names, *as_long_as]))
+    chosen = scenarios_of(every, weather, position)[: len(names)]
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(weather, total=1.0)
         runs = sail_runs(

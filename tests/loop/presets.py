@@ -10,6 +10,7 @@ cruise. All parameters but the hull's are the firmware's defaults.
 """
 
 import math
+from collections.abc import Collection
 
 import flotilla
 import numpy as np
@@ -94,12 +95,14 @@ def varied(name: str) -> float:
     return max(rms_m(_sailed(run)) for run in sail(every, {}))
 
 
-def measured(parameters: dict[str, float]) -> dict[tuple[str, str], float]:
-    """RMS of every fleet of `fleets`; RunError where one does not sail.
+def measured(
+    parameters: dict[str, float], only: Collection[tuple[str, str]] = ()
+) -> dict[tuple[str, str], float]:
+    """RMS of every fleet of `fleets`, or of those of `only`; RunError where one does not sail.
 
     `parameters`: of all boats, instead of their hulls'.
     """
-    found = fleets()
+    found = {key: fleet for key, fleet in fleets().items() if not only or key in only}
     out = {}
     for key, run in zip(found, sail(list(found.values()), parameters), strict=True):
         out[key] = rms_m(_sailed(run))

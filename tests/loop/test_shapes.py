@@ -4,23 +4,36 @@
 import numpy as np
 import pytest
 
-from tests.loop.shapes import STEP_S, drawn, from_shape, in_shape, intercepted_s, sail
+from tests.loop import shapes
+from tests.loop.shapes import EACH, STEP_S, drawn, from_shape, in_shape, intercepted_s, sail
 
 GUARD = 1.2  # FS_SEP_M's default, in hull lengths
 
 
 @pytest.mark.parametrize(
-    ("boats", "turns", "hull", "length_m", "late"),
+    ("boats", "turns", "hull", "length_m", "late", "seed", "each"),
     [
-        (4, True, "", 1.2, 0),
-        (8, False, "", 1.2, 0),
-        pytest.param(6, False, "otter", 2.0, 1, marks=pytest.mark.nightly),
+        (4, True, "", 1.2, 0, 3, 3),
+        (8, False, "", 1.2, 0, 1, 3),
+        pytest.param(4, True, "", 1.2, 0, 1, EACH, marks=pytest.mark.nightly),
+        pytest.param(8, False, "", 1.2, 0, 1, EACH, marks=pytest.mark.nightly),
+        pytest.param(6, False, "otter", 2.0, 1, 1, EACH, marks=pytest.mark.nightly),
     ],
 )
 def test_boats_change_their_shape_under_way_and_none_comes_too_near(
-    boats: int, hull: str, length_m: float, late: int, *, turns: bool
+    boats: int,
+    hull: str,
+    length_m: float,
+    late: int,
+    seed: int,
+    each: int,
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    turns: bool,
 ) -> None:
-    changes = sail(boats, 1, seed=1, turns=turns, hull=hull)
+    monkeypatch.setattr(shapes, "EACH", each)
+    changes = sail(boats, 1, seed=seed, turns=turns, hull=hull)
+    assert len(changes) == each
     assert sum(it.far_m > 5 for it in changes) >= 3
     for it in changes:
         assert it.nearest_m > GUARD * length_m

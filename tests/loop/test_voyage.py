@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The voyage that measures a hull, in the loop: its room, its end, and what stops it."""
+"""The voyage that measures a hull, in the loop: its room, its end, and what stops it.
+
+Whole voyages of 25 minutes are sailed with --all; tests/app/plan/test_voyage.cpp sails them on each
+push, without the loop.
+"""
 
 import csv
 from collections.abc import Callable, Sequence
@@ -105,7 +109,7 @@ def farthest_m(one: Sailed) -> float:
     ("weather", "longest_s"),
     [
         pytest.param([], 1680.0, id="calm", marks=pytest.mark.nightly),
-        pytest.param(BREEZE, 1800.0, id="breeze"),
+        pytest.param(BREEZE, 1800.0, id="breeze", marks=pytest.mark.nightly),
     ],
 )
 def test_a_boat_measures_its_hull_within_its_room_in_about_25_minutes(
@@ -141,7 +145,7 @@ def test_a_step_that_a_gust_cuts_off_is_repeated() -> None:
 
 
 def test_the_circle_round_home_is_never_left() -> None:
-    (one,) = sail_voyages([["duration_s=700"]], {"FS_FENCE_M": 25.0})
+    (one,) = sail_voyages([["duration_s=300"]], {"FS_FENCE_M": 25.0})
     assert set(one.states) == {"AUTO"}
     assert float(np.hypot(*np.array(one.places).T).max()) < 25.0
     assert any(text.endswith(": the fence") for _, text in one.texts)
