@@ -2,6 +2,7 @@
 """The short form of `python -m tests.loop.encounters`."""
 
 import math
+from collections.abc import Collection
 
 import numpy as np
 import pytest
@@ -15,19 +16,20 @@ GUARDS = {"blueboat": 1.2, "heron": 0.95, "otter": 1.2, "paper": 1.2, "wamv": 0.
 AWAY = {"blueboat": 0.0, "heron": 0.01, "otter": 0.015, "paper": 0.0, "wamv": 0.04}
 
 
-def shares(first: int, last: int) -> list[object]:
-    """The first runs of each hull, of the slowest a third of them; nightly the others."""
+def shares(first: int, last: int, each_push: Collection[str]) -> list[object]:
+    """The first runs of some hulls, of the slowest a third of them; nightly the others."""
     found: list[object] = []
     for hull in presets.names():
         now = math.ceil(first / 3) if hull == "wamv" else first
-        found.append(pytest.param(hull, range(now), id=f"{hull}-{now}"))
+        nightly = () if hull in each_push else pytest.mark.nightly
+        found.append(pytest.param(hull, range(now), id=f"{hull}-{now}", marks=nightly))
         if now < last:
             more = f"{hull}-{now}-{last}"
             found.append(pytest.param(hull, range(now, last), id=more, marks=pytest.mark.nightly))
     return found
 
 
-@pytest.mark.parametrize(("hull", "runs"), shares(15, 200))
+@pytest.mark.parametrize(("hull", "runs"), shares(15, 200, ["wamv"]))
 def test_strangers_are_given_room_on_the_side_of_the_rules_and_the_boat_comes_back(
     hull: str, runs: range
 ) -> None:
@@ -37,14 +39,14 @@ def test_strangers_are_given_room_on_the_side_of_the_rules_and_the_boat_comes_ba
     assert np.mean([each.right for each in passed if each.right is not None]) >= SIDE[hull]
 
 
-@pytest.mark.parametrize(("hull", "runs"), shares(2, 2))
+@pytest.mark.parametrize(("hull", "runs"), shares(2, 2, ["blueboat"]))
 def test_boats_in_swapped_slots_never_come_too_near_and_all_arrive(hull: str, runs: range) -> None:
     found = crowds(hull, runs, Crowd(8, 0.5, True))
     assert found[:, 0].min() > 1.0
     assert found[:, 1].max() < ARRIVED_M
 
 
-@pytest.mark.parametrize(("hull", "runs"), shares(2, 2))
+@pytest.mark.parametrize(("hull", "runs"), shares(2, 2, ["paper"]))
 def test_boats_in_swapped_slots_behind_a_leader_at_rest_all_arrive(hull: str, runs: range) -> None:
     at_rest = next(one for one in CROWDS if one.speed_mps == 0.0)
     found = crowds(hull, runs, at_rest)

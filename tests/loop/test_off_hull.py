@@ -4,6 +4,7 @@
 import pytest
 
 from sil.scenario import presets
+from tests.each_push import few
 from tests.loop.off_hull import SHORT, measured
 from tests.loop.presets import WEATHER
 
@@ -15,18 +16,12 @@ MEASURED = {
     "paper": 0.0153,
     "wamv": 0.0599,
 }
-EACH_PUSH = ("heron", "otter")
+EACH_PUSH = ["heron"]
 WORST_IN_WEATHER = ("heron", "m11", 2.0), 0.1263
 MOST_M = 0.2
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=() if name in EACH_PUSH else pytest.mark.nightly)
-        for name in presets.names()
-    ],
-)
+@pytest.mark.parametrize("name", few(presets.names(), EACH_PUSH))
 def test_no_boat_leaves_formation_or_its_slot(name: str) -> None:
     own = measured([name], SHORT)
     assert not [fleet.left for fleet in own.values() if fleet.left]

@@ -33,6 +33,7 @@ FIGURES = {
     },
     "sea": {"rms_error_m": 0.0793548},
 }
+EACH_PUSH = ("diamond", "noisy", "turning", "stop_and_go")
 # Before boats steered by the reference: 0.0707874 m.
 OF_MANY_SEEDS = {"mismatch": {"rms_error_m": 0.0760041, "thrust_rms_N": 2.78305}}
 # Each boat closes up to its slot relative to the root; its distance from its leader, who closes
@@ -50,7 +51,12 @@ def figures_of(name: str, seed: int | None = None) -> dict[str, float]:
 
 
 @pytest.mark.parametrize(
-    ("name", "key"), [(name, key) for name, figures in FIGURES.items() for key in figures]
+    ("name", "key"),
+    [
+        pytest.param(name, key, marks=() if name in EACH_PUSH else pytest.mark.nightly)
+        for name, figures in FIGURES.items()
+        for key in figures
+    ],
 )
 def test_figure_is_no_worse_than_it_was(name: str, key: str) -> None:
     floor = WIRE_M if key.endswith("_m") else 0.0

@@ -14,7 +14,14 @@ from tests.loop.succession import KINDS, NOTHING, Healed, Observer, sail, scenar
 AT_S = 33.0, 41.3, 62.0
 
 
-@pytest.fixture(scope="module", params=product(KINDS, AT_S), ids=str)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(case, marks=() if case[1] == AT_S[0] else pytest.mark.nightly)
+        for case in product(KINDS, AT_S)
+    ],
+    ids=str,
+)
 def healed(request: pytest.FixtureRequest) -> Healed:
     kind, at_s = request.param
     (it,) = sail(kind, [at_s])

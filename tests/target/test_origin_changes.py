@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.each_push import few
 from tests.target.course import Course
 from tests.target.sea import Sea, Tick, acks, named
 from tests.target.stations import (
@@ -79,8 +81,9 @@ def told_in_order(ticks: list[Tick], where: Course, place: tuple[int, int, int])
             assert (m.x, m.y) == pytest.approx((where.north, where.east), abs=0.1)
 
 
-@LINKS
-@pytest.mark.parametrize("busy", [False, True])
+@pytest.mark.parametrize(
+    ("bytes_per_s", "busy"), few(product((0, 400, 1200), (False, True)), [(0, False), (1200, True)])
+)
 def test_a_new_origin_is_told_before_any_position_from_it(bytes_per_s: int, busy: bool) -> None:
     """At any phase of the link's schedule."""
     old, new = Course(1.0, 2.0, 0.3), Course(-400.0, 300.0, 0.3)

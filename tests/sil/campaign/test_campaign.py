@@ -18,6 +18,7 @@ from sil.campaign.campaign_files import Folder
 from sil.cli.main import main
 from sil.lockstep import metrics
 from sil.scenario.scenario import load
+from tests.each_push import few
 from tests.sil.campaign.short import short
 from tests.sil.mistakes import assert_told_in_one_line
 from tests.turns import some
@@ -74,7 +75,7 @@ def assert_same(out: Path, sailed: Path) -> None:
     assert digests[0] == digests[1] and not (out / "parts").exists()
 
 
-@pytest.mark.parametrize(("workers", "batch"), [(2, 1), (3, 3)])
+@pytest.mark.parametrize(("workers", "batch"), few([(2, 1), (3, 3)], [(3, 3)]))
 def test_tables_do_not_depend_on_workers_and_batches(
     scenario: Path,
     sailed: Path,
@@ -157,7 +158,7 @@ def test_a_page_that_cannot_be_made_leaves_a_campaign_that_the_same_command_fini
     assert not (tmp_path / "parts").exists()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("number", few([signal.SIGINT, signal.SIGKILL], [signal.SIGINT]))
 def test_an_interrupted_campaign_goes_on_where_it_was(
     scenario: Path,
     sailed: Path,

@@ -83,6 +83,7 @@ def test_a_run_that_kills_every_worker_has_failed_and_costs_no_other(
     assert_failed_alone(sampler(tmp_path), noted)
 
 
+@pytest.mark.nightly  # each push: tests/sil/common/test_pool.py
 def test_a_run_that_kills_its_process_has_failed_and_costs_no_other(tmp_path: Path) -> None:
     fatal = batch(Fatal(scenario.read(short(tmp_path))), (0, 1, 2))
     noted: list[ShareResult] = []

@@ -28,6 +28,7 @@ from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import FLEET_TABLE
 from sil.wire.operator import Operator, mode_request
 from sil.wire.signing import Signer
+from tests.each_push import few
 from tests.sil.fleet.waters import BOATS, Air, Waters, heard
 
 KEY = bytes(range(32))
@@ -100,7 +101,7 @@ def test_a_shape_is_taken_under_way(waters: Waters) -> None:
     assert waters.states == ["AUTO", *["FORMATION"] * 3]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", few(range(8), [2, 7]))
 def test_boats_exchange_their_places_without_a_stop(seed: int) -> None:
     """Directly at first, as no table is there yet; then together."""
     waters = Waters(loss=0.1, seed=seed + 1, boat_loss=0.2)
@@ -314,7 +315,7 @@ def test_a_stop_waits_for_nobody(waters: Waters) -> None:
     assert stopped_s and stopped_s[0] < 0.5
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", few(range(8), [0, 1, 2]))
 def test_a_radio_that_loses_a_third_carries_all_of_it(seed: int) -> None:
     waters = Waters(loss=0.3, seed=seed + 1, boat_loss=0.3)
     assert waters.command(action="form", shape="diamond", spacing_m=4.5, boats=BOATS)[0] == 0

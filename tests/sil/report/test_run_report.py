@@ -19,6 +19,7 @@ from sil.report.drawing import draw
 from sil.scenario.sections import Leader
 from sil.view import history
 from sil.view import page as view
+from tests.each_push import few
 
 PICTURES = ("formation.png", "errors.png", "thrust.png")
 COMMAND = "flotilla run pair --seed 7 --set 'boat.1.eta=[0, 0, 0]'"
@@ -134,7 +135,9 @@ def test_terminal_of_80_columns_shows_every_number_of_a_boat_in_one_line() -> No
     assert ["2", "1.0000", "1.0000", "never", "1.0000", "0.0000", "0.79"] in lines
 
 
-@pytest.mark.parametrize("lost", [np.nan, np.inf, 1e200], ids=["nan", "infinite", "far away"])
+@pytest.mark.parametrize(
+    "lost", few([np.nan, np.inf, 1e200], [1e200]), ids=["nan", "infinite", "far away"]
+)
 def test_run_that_diverged_is_reported_up_to_where_it_did(tmp_path: Path, lost: float) -> None:
     summary, trace = made_up_run()
     trace["eta"][1200:, 2] = trace["error"][1200:, 1] = lost

@@ -20,7 +20,7 @@ CHOICES = [
     for choice in flotilla.supervisor_choices()
     for value in range(len(choice["reactions"]))
 ]
-SEED, RANDOM_SETS = 20261121, 200
+SEED, RANDOM_SETS = 20261121, 25
 
 
 @pytest.fixture
