@@ -133,7 +133,7 @@ class PyFleet {
       const Elements<double> motors(command, "command", boats, 2);
       std::optional<Elements<const std::int32_t>> places;
       if (!degE7.is_none()) places.emplace(degE7, "degE7", agents, 2);
-      // Keeps the GIL, so that nobody else touches the fleet or its arrays meanwhile.
+      // Keeps the GIL, so that no other thread touches the fleet or its arrays.
       f.tick(t_us, {poses.data(), velocities.data(), places ? places->data() : nullptr,
                     shafts.data(), motors.data()});
     });
@@ -252,7 +252,7 @@ void bind_fleet(nb::module_& m) {
         }
         return out;
       },
-      "The rules that every boat of a Fleet is watched by in every tick: (group, name).");
+      "The rules that a Fleet checks for every boat in every tick: list of (group, name).");
   m.def(
       "fault_list",
       [] {
@@ -275,75 +275,85 @@ void bind_fleet(nb::module_& m) {
         }
         return out;
       },
-      "The faults of a scenario: name; owner, the part that fails (\"world\": not on a fleet's "
-      "wires); leaders: virtual leaders can have it too; unit, least and greatest of its value, no "
-      "unit where it takes none; drawn: the range that a soak draws from, if it does; meaning.");
+      "The faults that a scenario can contain, as dictionaries. owner: the part that fails "
+      "(\"world\": outside a Fleet, whose caller applies the fault); leaders: virtual leaders can "
+      "have it too; unit, least, greatest: of its value, with an empty unit if it takes none; "
+      "drawn: range from which a soak draws the value, None if it never draws the fault; name and "
+      "meaning.");
   nb::class_<PyFleet>(
       m, "Fleet",
-      "Everything that is on a wire in lockstep runs, many at once: navigation units, boats with "
-      "their ESCs, radio links, clocks. Agents (leaders and boats) and links are counted from 0 in "
-      "order of adding; times are the world's, microseconds. scalar of the boats' law: \"float\", "
-      "\"double\" or \"q16\". inject_failures: boats obey MAV_CMD_INJECT_FAILURE, which no other "
-      "build "
-      "does. Bad values: ValueError or TypeError says which.")
+      "Simulates the devices and wires of many lockstep runs together: navigation units, boats "
+      "with their ESCs, radio links, clocks. Agents (leaders and boats) and links are numbered "
+      "from 0 in the order of adding. t_us is always the world's time, microseconds. scalar: "
+      "number type of the boats' law, \"float\", \"double\" or \"q16\"; record, profile: enable "
+      "take_records() and profile(); inject_failures: the boats obey MAV_CMD_INJECT_FAILURE, as in "
+      "no other build. A bad argument raises a ValueError or TypeError that names it.")
       .def(nb::init<const std::string&, bool, bool, bool>(), "scalar"_a = "float",
            "record"_a = false, "profile"_a = false, "inject_failures"_a = false)
       .def("add_leader", &PyFleet::add_leader, "run"_a, "system"_a, "unit"_a, "clock"_a,
-           "A vehicle that is only a navigation unit; its agent number. unit: (rate_hz, message, "
-           "attitude_rate_hz) and, where wanted, (latitude degE7, longitude degE7, altitude mm) "
-           "of its frame and (delay_s, timesync, dropout_every_s, dropout_s), as "
-           "sil.wire.navigation_unit.Settings explains them; message: \"local\", \"odometry\", "
-           "\"global\" or \"follow_target\"; "
-           "attitude_rate_hz 0: with every position. clock: (offset_us, drift_ppm).")
+           "Adds a vehicle that is only a navigation unit to a run (0 or more), and returns its "
+           "agent number. system: MAVLink system id, 1 to 255. unit: (rate_hz, message, "
+           "attitude_rate_hz), optionally followed by (latitude degE7, longitude degE7, altitude "
+           "mm), the origin of its frame, and by (delay_s, timesync, dropout_every_s, dropout_s), "
+           "which sil.wire.navigation_unit.Settings explains. message: \"local\", \"odometry\", "
+           "\"global\" or \"follow_target\"; attitude_rate_hz 0: ATTITUDE with every position. "
+           "clock: (offset_us, drift_ppm).")
       .def("add_boat", &PyFleet::add_boat, "run"_a, "parameters"_a, "unit"_a, "clock"_a,
-           "A boat with parameters by name, a navigation unit as add_leader's and two ESCs; its "
-           "agent number.")
+           "Adds a boat with two ESCs to a run, and returns its agent number. parameters: values "
+           "by MAVLink name, the others keep their defaults; unit and clock: as in add_leader().")
       .def("connect", &PyFleet::connect, "sender"_a, "receiver"_a, "delay_s"_a = 0.0,
            "jitter_s"_a = 0.0, "loss"_a = 0.0, "rate_Bps"_a = 0.0, "seed"_a = 0,
-           "A one-way radio link; its number. What the sender says over the radio goes over all "
-           "its links.")
+           "Adds a one-way radio link between two agents, and returns its number. A sender's radio "
+           "output goes over all its links. delay_s: delay; jitter_s: greatest random addition to "
+           "it; loss: share of chunks lost, 0 to 1; rate_Bps: bytes per second, 0: unlimited; "
+           "seed: of loss and jitter.")
       .def("set_link", &PyFleet::set_link, "link"_a, "delay_s"_a, "jitter_s"_a, "loss"_a,
-           "rate_Bps"_a, "Its quality from now on; chunks in flight arrive as they would have.")
+           "rate_Bps"_a,
+           "Changes a link's quality from now on, with arguments as in connect(). Chunks in flight "
+           "arrive as they would have.")
       .def("corrupt", &PyFleet::corrupt, "link"_a, "offset_bit"_a,
-           "Flips that bit, counted modulo its length, of the next chunk sent over the link.")
+           "Flips one bit of the next chunk sent over the link: number offset_bit, modulo the "
+           "chunk's length in bits.")
       .def("tick", &PyFleet::tick, "t_us"_a, "eta"_a, "nu"_a, "degE7"_a.none(), "rpm"_a,
            "command"_a,
-           "One control tick of all. eta, nu: (agents, 3) float64, [x y psi] and [u v r] as each "
-           "unit measured them, in the frame that it tells; degE7: (agents, 2) int32, latitude and "
-           "longitude, None where no unit tells them; rpm: (boats, 2) float64 of the shafts, port, "
-           "starboard; command: (boats, 2) float64, written: what the ESCs tell their motors, -1 "
-           "to 1.")
+           "Runs one control tick of all agents. eta, nu: (agents, 3) float64, [x y psi] (m, rad) "
+           "and [u v r] (m/s, rad/s) as each unit measures them, in the frame that it reports; "
+           "degE7: (agents, 2) int32, latitude and longitude, None if no unit reports them; rpm: "
+           "(boats, 2) float64, speeds of the port and starboard shafts, 1/min; command: (boats, "
+           "2) float64, output: the ESCs' commands to the port and starboard motors, -1 to 1. All "
+           "arrays are C-contiguous.")
       .def("hear", &PyFleet::hear, "agent"_a, "data"_a, "t_us"_a, "link"_a = 1,
-           "Any bytes into a boat's link: 0 navigation unit, 1 radio.")
+           "Delivers bytes to a boat, in chunks of any length. link: 0 navigation unit, 1 radio.")
       .def("on_can", &PyFleet::on_can, "agent"_a, "can_id"_a, "data"_a, "t_us"_a,
-           "A frame on a boat's CAN bus, as from another node: its firmware and its ESCs hear it.")
+           "Delivers a CAN frame from another node on a boat's bus, to its firmware and its ESCs.")
       .def("command", &PyFleet::command, "agents"_a, "t_us"_a, "command"_a, "params"_a,
-           "COMMAND_LONG with up to 7 params over the radio to each of these boats, from their "
-           "run's ground station (255/190).")
+           "Sends a COMMAND_LONG with up to 7 params (the others are 0) to each of these boats, by "
+           "radio from their run's ground station (system 255, component 190).")
       .def("heartbeat", &PyFleet::heartbeat, "agents"_a, "t_us"_a,
-           "HEARTBEAT of that ground station, over the radio to each of these boats.")
+           "Sends a HEARTBEAT to each of these boats, by radio from the same ground station as "
+           "command().")
       .def("set_fault", &PyFleet::set_fault, "agent"_a, "kind"_a, "t_us"_a, "value"_a = 0.0,
            "esc"_a = nb::none(), "seed"_a = 0,
-           "Something goes wrong from the next tick on. kind: a name of flotilla.fault_list(), "
-           "which has "
-           "the meaning and unit of value; esc: \"port\", \"stbd\" or None for both; seed: decides "
-           "what is lost or damaged.")
+           "Starts a fault, which acts from the next tick on. kind: a name in "
+           "flotilla.fault_list(), which gives the meaning, unit and range of value; esc: "
+           "\"port\", \"stbd\" or None for both; seed: decides which data is lost or damaged.")
       .def("clear_fault", &PyFleet::clear_fault, "agent"_a, "kind"_a, "t_us"_a,
-           "esc"_a = nb::none(), "It is over; nothing happens where there is none.")
+           "esc"_a = nb::none(), "Ends a fault; does nothing if the agent has none of this kind.")
       .def_prop_ro("states", &PyFleet::states,
-                   "(boats,) uint8: the supervisors' states after the last tick, as numbers in "
-                   "flotilla.STATES.")
+                   "(boats,) uint8: state of each boat's supervisor after the last tick, as an "
+                   "index into flotilla.STATES.")
       .def("sent", &PyFleet::sent, "agent"_a,
-           "The bytes that it sent over the radio in the last tick.")
-      .def("snapshot", &PyFleet::snapshot, "agent"_a, "As Boat.snapshot.")
-      .def("parameters", &PyFleet::parameters, "agent"_a, "As Boat.parameters.")
+           "The bytes that the agent sent by radio in the last tick.")
+      .def("snapshot", &PyFleet::snapshot, "agent"_a, "The boat's Boat.snapshot().")
+      .def("parameters", &PyFleet::parameters, "agent"_a, "The boat's Boat.parameters().")
       .def("take_records", &PyFleet::take_records, "run"_a,
-           "The bytes and frames on the run's wires since the last call, in the format of "
-           "sil/lockstep/recording.py; needs record=True.")
+           "Returns the bytes and frames on the run's wires since the last call, in the format of "
+           "sil/lockstep/recording.py. ValueError without record=True, or if the run has no "
+           "agents.")
       .def("violations", &PyFleet::violations,
-           "The first rule of flotilla.policies() that each boat has broken, in the order of time: "
-           "(agent, t_us, name).")
+           "The first rule of flotilla.policies() that each boat has broken: list of (agent, t_us, "
+           "name) in order of time.")
       .def("profile", &PyFleet::profile,
-           "Seconds by stage since the last call: units, decode (of MAVLink), tick (of the boats), "
-           "can, links; zeros without profile=True.");
+           "Returns the seconds spent in each stage since the last call: units, decode (of "
+           "MAVLink), tick (of the boats), can, links. All are 0 without profile=True.");
 }

@@ -204,31 +204,38 @@ class Helms {
 
 void bind_helm(nb::module_& m) {
   nb::class_<Helm>(m, "Helm",
-                   "The boat's observer and law without messages, supervisor and ESCs: for "
-                   "certificates and experiments. Metres, radians, seconds; north-east.")
+                   "The boat's observer and control law alone, without messages, supervisor and "
+                   "ESCs: for certificates and experiments. Metres, radians, seconds; positions "
+                   "are north and east. parameters: values by MAVLink name, the others keep their "
+                   "defaults.")
       .def(nb::init<const nb::dict&>(), "parameters"_a = nb::dict())
       .def("fix", &Helm::fix, "x_m"_a, "y_m"_a, "psi_rad"_a, "u_mps"_a, "v_mps"_a, "r_radps"_a,
            "age_s"_a = 0.0, "dt_s"_a = 0.0,
-           "The own state that the next step takes: true age_s before it, dt_s after the one "
-           "before; dt_s 0: the first.")
+           "Sets the boat's measured state for the next step. age_s: its age at that step; dt_s: "
+           "time since the previous fix, 0 for the first.")
       .def("step", &Helm::told_step, "leader"_a, "h_s"_a, "drive"_a = true,
-           "One control step, h_s after the last. leader: x, y, psi, u, v, r and the rates of "
-           "change of the last three, now. Returns the law's results by name.")
+           "Runs one control step, h_s after the previous one. leader: its present x, y, psi, u, "
+           "v, r and the rates of change of u, v, r; drive: False stops the propellers (thrust_N "
+           "0). Returns the law's results by name, as in Boat.snapshot().")
       .def_prop_rw("state", &Helm::state, &Helm::set_state,
-                   "Its memory, 22 numbers, without the recent wrenches by which a late fix is "
-                   "predicted up to now: x, y, psi, u, v, r; unknown acceleration "
-                   "in surge, sway, yaw; current north, east; v*, u*, r* held; sway of the slot, "
-                   "its speed and slip with their rates; approach: 1 bow first, -1 stern first, 0 "
-                   "none; wrench given X, N.");
+                   "Memory of the observer and the law, 22 numbers: x, y, psi, u, v, r; unknown "
+                   "acceleration in surge, sway, yaw; current north, east; v*, u*, r* held; sway "
+                   "of the slot, its speed and slip with their rates; approach: 1 bow first, -1 "
+                   "stern first, 0 none; wrench given X, N. The recent wrenches, which predict a "
+                   "late fix up to now, are not included.");
   nb::class_<Helms>(m, "Helms",
-                    "As many Helms with the same parameters, which step together: arrays of a row "
-                    "each, in double precision and C order.")
+                    "`count` Helms with the same parameters that step together. Arrays have one "
+                    "row for each Helm (n = count), double precision and C order. ValueError for "
+                    "another number of rows.")
       .def(nb::init<const nb::dict&, std::size_t>(), "parameters"_a, "count"_a)
       .def("fix", &Helms::fix, "eta"_a, "nu"_a, "age_s"_a = 0.0, "dt_s"_a = 0.0,
-           "Helm.fix of each: eta (n, 3) and nu (n, 3).")
+           "Helm.fix() of each: eta (n, 3) and nu (n, 3).")
       .def("step", &Helms::step, "leader"_a, "h_s"_a, "thrust_N"_a.noconvert(),
-           "Helm.step of all behind one leader; writes thrust_N (n, 2), port and starboard. The "
-           "most that a wrench given lacks of the one asked, |X| + |N|.")
-      .def("state", &Helms::state, "rows"_a.noconvert(), "Writes Helm.state of each (n, 22).")
-      .def("set_state", &Helms::set_state, "rows"_a, "Helm.state of each (n, 22).");
+           "Helm.step() of each, behind the same leader. Writes thrust_N (n, 2), port and "
+           "starboard. Returns the greatest difference between the wrench asked and the wrench "
+           "given, |X| + |N|.")
+      .def("state", &Helms::state, "rows"_a.noconvert(),
+           "Writes the Helm.state of each into rows (n, 22).")
+      .def("set_state", &Helms::set_state, "rows"_a,
+           "Sets the Helm.state of each from rows (n, 22).");
 }

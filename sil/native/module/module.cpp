@@ -240,59 +240,70 @@ NB_MODULE(flotilla, m) {
   m.attr("__version__") =
       std::to_string(app::kVersionMajor) + "." + std::to_string(app::kVersionMinor);
   m.def("parameter_list", &parameter_list,
-        "Every parameter with name, unit, default, least and greatest value, group, kind, when it "
-        "may change, and a sentence.");
+        "Every parameter as a dictionary: name, unit, default, least and greatest value, whether "
+        "it is an integer, group, kind, when it may change, and a sentence that explains it.");
   m.def("derived", &derived, "parameters"_a = nb::dict(),
-        "All parameters of a boat with these ones set, as the law uses them: a negative gain is "
-        "replaced by the derived one.");
+        "Returns the values of all parameters by name as the law uses them, if these ones are set: "
+        "a derived gain replaces each negative one.");
   m.def("metadata", &metadata,
         "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
   bind_route(m);
   bind_supervisor(m);
   bind_helm(m);
   bind_fleet(m);
-  nb::module_ kernels = m.def_submodule("kernels", "Loops over many vessels, for sil alone.");
+  nb::module_ kernels =
+      m.def_submodule("kernels", "Loops over many vessels, for the package sil only.");
   plant::bind_hull(kernels);
   plant::bind_propeller(kernels);
   plant::bind_sensors(kernels);
   plant::bind_voyage(kernels);
   plant::bind_weather(kernels);
   bind_traces(kernels);
-  nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")
+  nb::class_<TickOutput>(m, "TickOutput", "Output of a boat in one tick, in the order of sending.")
       .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
       .def_ro("can", &TickOutput::can, "list[tuple[int, bytes]]: 29-bit id, data");
 
   nb::class_<PyBoat>(
       m, "Boat",
-      "One boat. parameters: by MAVLink name, the rest keep their defaults; links: "
-      "number of MAVLink links, 1 to 4; scalar of the law: \"float\", "
+      "One boat's firmware. parameters: values by MAVLink name, the others keep their defaults; "
+      "links: number of MAVLink links, 1 to 4; scalar: number type of the law, \"float\", "
       "\"double\" or \"q16\". ValueError names a parameter that is unknown or out of range.")
       .def(nb::init<const nb::dict&, int, const std::string&>(), "parameters"_a = nb::dict(),
            "links"_a = 1, "scalar"_a = "float")
       .def("on_mavlink", &PyBoat::on_mavlink, "data"_a, "now_us"_a, "link"_a = 0,
-           "Any bytes, in any chunks; now_us: the boat's own monotonic clock, microseconds.")
+           "Takes bytes received on a MAVLink link, in chunks of any length. now_us: the boat's "
+           "own monotonic clock, microseconds.")
       .def("on_can", &PyBoat::on_can, "can_id"_a, "data"_a, "now_us"_a,
-           "One CAN frame with a 29-bit id and up to 8 bytes.")
+           "Takes one received CAN frame with a 29-bit id and up to 8 bytes.")
       .def("keep_logs", &PyBoat::keep_logs, "logs"_a,
-           "Logs, each as bytes, that the boat gives away over MAVLink.")
-      .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
+           "Sets the logs, each as bytes, that clients can download from the boat over MAVLink.")
+      .def("tick", &PyBoat::tick, "now_us"_a,
+           "Runs one control step and returns what the boat sends. now_us: as in on_mavlink().")
       .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
            "overruns"_a = 0, "unix_us"_a = 0, "save_failed"_a = false, "clock_is_set"_a = true,
            "stop_pressed"_a = false,
-           "Facts that only the boat's host knows; they hold until the next report.")
+           "Reports what only the boat's host knows, valid until the next report. bus_up: the CAN "
+           "interface is up; parameters_saved: False forbids arming; overruns: ticks more than a "
+           "period late since the start; unix_us: present time, microseconds since 1970, 0: "
+           "unknown; save_failed: the last attempt to save the parameters failed; clock_is_set: "
+           "False if unix_us is a guess; stop_pressed: the stop switch wired to the host is "
+           "pressed.")
       .def("secure", &PyBoat::secure, "key"_a, "unix_us"_a,
-           "The MAVLink 2 signing key of all links, 32 bytes, and the time since 1970.")
+           "Sets the MAVLink 2 signing key of all links, 32 bytes. unix_us: present time, "
+           "microseconds since 1970.")
       .def("set_signing", &PyBoat::set_signing, "link"_a, "policy"_a,
-           "\"off\", \"accept\" or \"required\": what that link's signatures are worth.")
+           "Sets how a link treats signatures. \"off\": sends unsigned and ignores signatures; "
+           "\"accept\": signs, and rejects wrong signatures; \"required\": also rejects unsigned "
+           "messages, except a radio's RADIO_STATUS.")
       .def("limit_link", &PyBoat::limit_link, "link"_a, "bytes_per_s"_a,
-           "Telemetry on that link keeps to so many bytes a second; 0: no limit.")
+           "Limits the telemetry on a link to so many bytes per second; 0: no limit.")
       .def("take_save_request", &PyBoat::take_save_request,
-           "Why the parameters should be saved since the last call: \"none\", \"changed\" by an "
-           "operator, or \"confirmed\": an operator requested it.")
+           "Whether and why the host should save the parameters, since the last call: \"none\", "
+           "\"changed\" (an operator changed one) or \"confirmed\" (an operator asked to save "
+           "them).")
       .def("snapshot", &PyBoat::snapshot,
-           "Last tick: state, conditions, ages, estimates, error, virtual velocity, wrench asked "
-           "and given, "
-           "limits that acted, thrusts, counters; SI units.")
-      .def_prop_ro("state", &PyBoat::state, "State of the supervisor after the last tick.")
+           "Results of the last tick, in SI units: state, conditions, ages, estimates, error, "
+           "virtual velocity, wrench asked and given, limits that acted, thrusts, counters.")
+      .def_prop_ro("state", &PyBoat::state, "The supervisor's state after the last tick.")
       .def("parameters", &PyBoat::parameters, "Every parameter's value by name.");
 }

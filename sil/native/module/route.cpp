@@ -18,16 +18,16 @@ using Points = nb::ndarray<const double, nb::shape<-1, 5>, nb::c_contig, nb::dev
 constexpr std::size_t kColumns = 10;
 
 constexpr const char* kSailRoute =
-    "Sail a route as the firmware's planner does: straight legs, rounded corners.\n\n"
-    "waypoints (N, 5), N > 1: north and east (m), speed of the leg that ends there (m/s), how far\n"
-    "the rounded corner may pass from it (m), wait there (s). accel, yaw_rate, yaw_accel: limits\n"
-    "(m/s², rad/s, rad/s²); radius: of a corner's arc, larger where the yaw limits demand it (m);\n"
-    "half_width: distance of the outermost slot that turns with the leader (m); step_s, steps: of\n"
-    "the result (steps, 10): north, east, heading (m, m, rad), surge, sway, yaw rate, their\n"
-    "derivatives, and the waypoint ahead (N after the last).\n\n"
-    "ValueError where two successive waypoints are less than 0.1 m apart or a value is no "
-    "positive\n"
-    "number.";
+    "Sails a route as the firmware's planner does: straight legs, rounded corners.\n\n"
+    "waypoints (N, 5), N > 1: north and east (m), speed of the leg that ends there (m/s),\n"
+    "greatest distance of the rounded corner from it (m), time to wait there (s). accel,\n"
+    "yaw_rate, yaw_accel: limits (m/s², rad/s, rad/s²); radius: of a corner's arc (m), larger\n"
+    "where the yaw limits demand it; half_width: distance of the outermost slot that turns with\n"
+    "the leader (m).\n\n"
+    "Returns (steps, 10), a row every step_s seconds: north, east, heading (m, m, rad), surge,\n"
+    "sway, yaw rate, their derivatives, and the number of the waypoint ahead (N after the\n"
+    "last).\n\n"
+    "ValueError if two successive waypoints are less than 0.1 m apart or a value is out of range.";
 
 nb::object sail_route(Points waypoints, double accel, double yaw_rate, double yaw_accel,
                       double radius, double half_width, double step_s, std::size_t steps) {

@@ -67,7 +67,7 @@ core::State state_of(const std::string& name) {
   }));
 }
 
-/// Conditions that are met, and choices such as "FS_LEADER_ACT 1"; the others are the defaults.
+/// Conditions that are met, and choices such as "FS_LEADER_ACT 1"; other choices are the defaults.
 struct Told {
   core::Conditions met = 0;
   app::Parameters parameters{};
@@ -180,24 +180,25 @@ nb::dict supervise(const std::string& state, const std::string& request,
 
 void bind_supervisor(nb::module_& m) {
   m.def("supervisor_table", &table,
-        "The supervisor's transitions in order: from, request, needs, lacks, on (reactions, none: "
-        "any), "
-        "to.");
+        "The supervisor's transitions in order: from, request, needs, lacks, on (reactions; empty: "
+        "any), to.");
   m.def(
       "supervisor_losses", &losses,
-      "What counts as lost: in (states), needs, choice (the parameter that says what follows). The "
-      "most careful reaction counts: HOLD, LOITER, RTL, COAST, MANUAL.");
+      "The losses that the supervisor reacts to: in (states), needs (a loss if one of them is not "
+      "met), choice (the parameter that sets the reaction). Of several reactions the most careful "
+      "one counts: HOLD, LOITER, RTL, COAST, MANUAL.");
   m.def("supervisor_choices", &choices,
-        "The operator's choices: name of the parameter, reactions by its value, default.");
+        "The operator's choices of reactions: name of the parameter, reactions by its value, "
+        "default.");
   m.def(
       "supervisor_conditions", &conditions,
-      "Its conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT COND, from 24 on "
-      "in COND2), complaint "
-      "(the message if unmet), limit (the parameter that sets it, or nothing).");
+      "The supervisor's conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT "
+      "COND, from 24 on in COND2), complaint (the message if it is not met), limit (the parameter "
+      "that sets it, or empty).");
   m.def(
       "supervise", &supervise, "state"_a, "request"_a, "met"_a,
-      "Applies the table to a state and a request. met: the names of the conditions that are met, "
-      "and the choices that differ from the defaults (\"FS_GCS_ACT 1\"). Returns the new state, "
-      "granted, missing, and drives: whether the propellers may turn in the new state. "
-      "ValueError for an unknown name.");
+      "Applies the table to a state and a request. met: names of the conditions that are met, and "
+      "choices that differ from the defaults (\"FS_GCS_ACT 1\"). Returns state (the new one), "
+      "granted (was the request?), missing (its unmet conditions), and drives: whether the "
+      "propellers may turn in the new state. ValueError for an unknown name.");
 }

@@ -17,7 +17,7 @@ using namespace flotilla::plant;
 
 namespace {
 
-/// eta and nu (leaders first, then boats) at index `at` of their runs.
+/// Stores eta and nu (leaders first, then boats) at index `at` of their runs.
 void note_truth(std::size_t at, const Input<2>& eta, const Input<2>& nu, const Array<4>& eta_out,
                 const Array<4>& nu_out) {
   const std::size_t runs = eta_out.shape(0), agents = eta_out.shape(2);
@@ -190,15 +190,16 @@ void bind_traces(nb::module_& m) {
   m.def("note_tick", &note_tick, "k"_a, "every"_a, "eta"_a.noconvert(), "nu"_a.noconvert(),
         "tau"_a.noconvert(), "states"_a.noconvert(), "eta_out"_a.noconvert(),
         "nu_out"_a.noconvert(), "tau_out"_a.noconvert(), "counts"_a.noconvert(),
-        "Store tau and states of tick k, eta and nu of the next: `sil.lockstep.trace.Tracer`.");
+        "Stores tau and states of tick k, and eta and nu of the next one: "
+        "`sil.lockstep.trace.Tracer`.");
   m.def("formation_errors", &formation_errors, "eta"_a.noconvert(), "follows"_a.noconvert(),
         "offset_m"_a.noconvert(), "turns"_a.noconvert(), "error"_a.noconvert(),
-        "Write the errors (T, N, 3), e_ψ not wrapped: `sil.lockstep.metrics.formation_error`.");
+        "Writes error (T, N, 3), with e_ψ not wrapped: `sil.lockstep.metrics.formation_error`.");
   m.def("least_square_distance", &least_square_distance, "eta"_a.noconvert(),
         "Square of the smallest distance between two boats in eta (T, N + 1, 3), m².\n\n"
-        "Infinite if no two positions are known; the leader, number 0, does not count.");
+        "Infinite if no two positions are known. Agent 0, the leader, does not count.");
   m.def("radio_frames", &radio_frames, "records"_a.noconvert(), "channel"_a, "wanted"_a.noconvert(),
-        "Wanted frames sent by radio in a recording's bytes, and the time of its last record.\n\n"
-        "wanted (65536): of which message numbers. Rows of the result (F, 4): time in us, agent,\n"
-        "begin and end in the bytes. Layout: `sil.lockstep.recording`.");
+        "Finds messages sent by radio in a recording. Returns them and the last record's time.\n\n"
+        "wanted (65536): whether to find each message number. Rows of the result (F, 4): time,\n"
+        "agent, begin and end in the bytes. Times in us. Layout: `sil.lockstep.recording`.");
 }

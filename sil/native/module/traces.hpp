@@ -3,5 +3,5 @@
 
 #include <nanobind/nanobind.h>
 
-/// Loops over the samples of whole runs: notes of a tick, formation errors, distances, frames.
+/// Binds loops over whole runs: recording of a tick, formation errors, distances, frames.
 void bind_traces(nanobind::module_& m);

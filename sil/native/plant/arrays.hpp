@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// numpy arrays as the kernels take them: of any stride, never converted, hence never a copy.
+// numpy arrays for the kernels: any stride, no conversion, so never a copy.
 #pragma once
 
 #include <nanobind/nanobind.h>

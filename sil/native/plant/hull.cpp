@@ -24,7 +24,7 @@ struct Pair {
 };
 
 /// Cross-flow drag in sway and yaw: k ∫ |v + x r| (v + x r) [1 x] dx, |x| ≤ `half` (m).
-/// In closed form: v + x r changes its sign on the waterline, or does not.
+/// In closed form, in two cases: v + x r changes its sign on the waterline, or does not.
 Pair crossflow(double v, double r, double k, double half) {
   const double swing = r * half;
   if (std::abs(v) >= std::abs(swing)) {
@@ -135,7 +135,7 @@ void advance_hulls(Rows eta, Rows nu, Input<3> tau, InputRows w, InputRows curre
 void bind_hull(nb::module_& m) {
   m.def("advance_hulls", &advance_hulls, "eta"_a.noconvert(), "nu"_a.noconvert(),
         "tau"_a.noconvert(), "w"_a.noconvert(), "current"_a.noconvert(), "parameters"_a.noconvert(),
-        "h_s"_a, "Carry hulls over steps of `h_s` seconds, in place: `sil.plant.hull.sail`.");
+        "h_s"_a, "Advances hulls by steps of `h_s` seconds, in place: `sil.plant.hull.sail`.");
 }
 
 }  // namespace flotilla::plant

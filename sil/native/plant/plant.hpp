@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The moving bodies around the boats. They share no code with the firmware's vessel model, so that
-// a mistake in one cannot cancel in the other.
+// Physics of the simulated vessels. It shares no code with the firmware's vessel model, so that a
+// mistake in one cannot cancel in the other.
 #pragma once
 
 #include <nanobind/nanobind.h>

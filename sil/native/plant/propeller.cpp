@@ -84,7 +84,7 @@ void shaft_speeds(Input<2> thrust, Input<2> parameters, Array<2> rpm) {
 void bind_propeller(nb::module_& m) {
   m.def("advance_propellers", &advance_propellers, "thrust"_a.noconvert(), "command"_a.noconvert(),
         "tau"_a.noconvert(), "parameters"_a.noconvert(), "h_s"_a,
-        "Carry the thrust of propellers over one step: `sil.plant.propeller.advance`.");
+        "Advances the thrust of propellers by one step: `sil.plant.propeller.advance`.");
   m.def("shaft_speeds", &shaft_speeds, "thrust"_a.noconvert(), "parameters"_a.noconvert(),
         "rpm"_a.noconvert(), "Shaft speeds of propellers: `sil.plant.propeller.shaft_speed`.");
 }

@@ -47,7 +47,8 @@ void bind_sensors(nb::module_& m) {
   m.def("measure", &measure, "eta"_a.noconvert(), "nu"_a.noconvert(), "sigma"_a.noconvert(),
         "worse"_a.noconvert(), "normals"_a.noconvert(), "eta_out"_a.noconvert(),
         "nu_out"_a.noconvert(),
-        "The boats' states with white noise, the leaders' without: `sil.plant.sensors.Sensors`.");
+        "Measures the boats' states with white noise, the leaders' without: "
+        "`sil.plant.sensors.Sensors`.");
 }
 
 }  // namespace flotilla::plant

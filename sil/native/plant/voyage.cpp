@@ -37,10 +37,10 @@ struct Size {
   double arm_m, length_m;
 };
 
-// Gauss and Legendre: places along the hull (half lengths) and weights of the cross-flow's integral.
+// Gauss-Legendre nodes along the hull (half lengths) and weights for the integral of cross-flow.
 const std::array<double, 3> kPlaces = {-std::sqrt(0.6), 0.0, std::sqrt(0.6)};
 constexpr std::array<double, 3> kWeights = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
-// A wrong guess must not overflow: m, m, rad, m/s, m/s, rad/s.
+// Limits, so that a wrong guess does not overflow: m, m, rad, m/s, m/s, rad/s.
 constexpr State kGreatest = {1e4, 1e4, 1e3, 30.0, 30.0, 30.0};
 
 State rates(const State& s, Forces thrust, const Terms& p, const Surroundings& w, Size size) {
@@ -163,8 +163,8 @@ void bind_voyage(nb::module_& m) {
   m.def("sail_voyages", &sail_voyages, "states"_a.noconvert(), "thrust"_a.noconvert(),
         "terms"_a.noconvert(), "surroundings"_a.noconvert(), "before"_a, "every"_a, "h_s"_a,
         "arm_m"_a, "length_m"_a,
-        "Sail from states[0], in place, over steps of `h_s` seconds, `before` of which only build "
-        "up thrust: `sil.identify.voyage_model.simulate`.");
+        "Sails from states[0], in place, by steps of `h_s` seconds. The first `before` steps only "
+        "build up thrust: `sil.identify.voyage_model.simulate`.");
 }
 
 }  // namespace flotilla::plant

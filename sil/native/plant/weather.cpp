@@ -118,13 +118,13 @@ void add_waves(double t_s, Input<3> eta, Input<3> waves, Input<1, std::int64_t> 
 
 void bind_weather(nb::module_& m) {
   m.def("add_noise", &add_noise, "sigma"_a.noconvert(), "normals"_a.noconvert(), "w"_a.noconvert(),
-        "Add white noise to w: `sil.plant.weather.WhiteNoise`.");
+        "Adds white noise to w: `sil.plant.weather.WhiteNoise`.");
   m.def("add_wind", &add_wind, "eta"_a.noconvert(), "nu"_a.noconvert(), "air"_a.noconvert(),
         "boats"_a.noconvert(), "w"_a.noconvert(), "density"_a,
-        "Add the wind's force to w: `sil.plant.wind.Wind`.");
+        "Adds the wind's force to w: `sil.plant.wind.Wind`.");
   m.def("add_waves", &add_waves, "t_s"_a, "eta"_a.noconvert(), "waves"_a.noconvert(),
         "counts"_a.noconvert(), "course_rad"_a.noconvert(), "bodies"_a.noconvert(),
-        "w"_a.noconvert(), "drift_Npm2"_a, "Add the waves' force to w: `sil.plant.waves.Waves`.");
+        "w"_a.noconvert(), "drift_Npm2"_a, "Adds the waves' force to w: `sil.plant.waves.Waves`.");
 }
 
 }  // namespace flotilla::plant
