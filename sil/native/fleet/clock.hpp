@@ -20,8 +20,8 @@ struct Clock {
   }
 };
 
-/// A grid of instants, `hz` times a second, anchored at the first call. A late call counts once and
-/// keeps the grid; two periods late, or before the grid, restarts it.
+/// Schedule of a message that is due `hz` times a second from the first call on. A late call counts
+/// once and keeps the schedule; a call two periods late, or more than one early, restarts it.
 class Rate {
  public:
   explicit Rate(double hz)

@@ -20,7 +20,7 @@ class EscReceiver {
     std::span<const std::uint8_t> first;  ///< valid until the next call
   };
 
-  /// Takes a frame of a type read here, not anonymous; `crc_seed`: of its data type.
+  /// Takes a frame of a type that ESCs read, not anonymous; `crc_seed`: of its data type.
   std::optional<Transfer> push(std::uint32_t can_id, std::span<const std::uint8_t> data,
                                std::uint16_t crc_seed, std::int64_t now_us);
 

@@ -74,7 +74,7 @@ void Fleet<S>::tick(std::int64_t t_us, const TickArrays& arrays) {
   try {
     profiles_ ? tick_all<true>(t_us, arrays) : tick_all<false>(t_us, arrays);
   } catch (...) {
-    // After an exception the tick's output is gone, and so is the memory it was in.
+    // After an exception the memory that held the tick's output is gone.
     for (RadioLink& link : links_) link.forget();
     throw;
   }

@@ -141,7 +141,7 @@ class Fleet {
 
     Station station;
     EscNodes escs;
-    app::Room<kLinks, 0, 50, 20, 4> room;  // nobody signs
+    app::Room<kLinks, 0, 50, 20, 4> room;  // no message is signed
     app::Boat<S> firmware;
     policies::Monitor<S> monitor;
     std::uint8_t leader = 0;                  // system id

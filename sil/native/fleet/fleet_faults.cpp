@@ -106,7 +106,7 @@ void Fleet<S>::report_bus(Vessel& v, std::int64_t t_us) {
   if (records_) s.run->records.host(t_us, s.number, HostEvent::kBus, report.bus_up ? 1 : 0);
 }
 
-/// The new process exists at once, but is neither fed nor ticked until the fault ends.
+/// The new process exists at once, but receives nothing and is not ticked until the fault ends.
 template <class S>
 void Fleet<S>::restart(Vessel& v, std::int64_t t_us) {
   const app::Parameters kept = v.firmware.parameters();

@@ -194,7 +194,7 @@ void NavigationUnit::pilot(std::int64_t now_us, Out& out) {
 }
 
 // Splits by the frames' length bytes. After bytes that are no frame, lengths are not trusted: any
-// start byte may begin a frame, so garbage hides none behind it.
+// start byte may begin a frame, so garbage cannot hide a frame behind it.
 void NavigationUnit::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us) {
   const auto next = [&](std::size_t from) {
     if (from < data.size() && data[from] == link::kStart2) return from;

@@ -76,7 +76,7 @@ class RadioLink {
   /// Applies from now on; chunks in flight arrive as they would have.
   void set(const LinkQuality& quality);
 
-  /// Every later chunk is so much later than its quality says, on top of earlier calls.
+  /// Delays every later chunk by that much beyond its quality's delay; calls add up.
   void delay_more(double by_s) { channel().delay_more(by_s); }
 
   /// Flips one bit of the next chunk sent, counted modulo its length.

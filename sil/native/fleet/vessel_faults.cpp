@@ -13,7 +13,7 @@ namespace {
 using enum FaultKind;
 
 constexpr double kDegE7PerMetre = 89.93;  // northwards, on a sphere of 6371 km
-// The impostor's stamps lie between the vessel's, so each of its messages is news.
+// The impostor's stamps lie between the vessel's, so each of its messages is newer.
 constexpr std::int64_t kImpostorAhead_us = 5'000;
 
 void move_north(std::array<double, 3>& eta, std::array<std::int32_t, 2>& degE7, double by_m) {

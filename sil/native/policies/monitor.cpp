@@ -144,9 +144,9 @@ void Monitor<S>::note_deeds() {
   if (now_.state != was) {
     const bool lost = core::follows(was) && !now_.has(core::kFollows | core::kGcsHeard);
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
-    // A loss may lead to these, by the operator's choice; COAST is over where nothing else is lost.
+    // A loss may lead to these, by the operator's choice; so may the end of COAST.
     const bool failed = core::law_drives(was) && (was == State::kCoast || !now_.has(core::kLosses));
-    // A boat with a fleet's table leads by its rule where it followed, and follows where it led.
+    // By the rule of a fleet's table a follower may begin to lead, and a leader to follow.
     const bool leads = now_.in_fleet && core::follows(was);
     const bool yields = now_.in_fleet && core::sails_alone(was);
     if (now_.in(State::kLoiter) && !failed && !leads) ++done[Ask::kLoiter];
