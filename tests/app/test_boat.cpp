@@ -21,7 +21,8 @@ namespace mav = link::mav;
 template <class S>
 using Harbour = testing::Harbour<S>;
 
-TEST_CASE_TEMPLATE("a boat that is armed and told to, pushes towards its slot", S, float, double) {
+TEST_CASE_TEMPLATE("a boat that is armed and in FORMATION pushes towards its slot", S, float,
+                   double) {
   Harbour<S> h;
   h.cast_off();
   CHECK(h.boat.state() == State::kFormation);
@@ -122,8 +123,8 @@ TEST_CASE_TEMPLATE("leader silent: the boat coasts from the timeout on, then bot
   CHECK(h.boat.state() == State::kHold);  // from there only an operator can restart it
 }
 
-TEST_CASE_TEMPLATE("a leader that is heard again within COAST is followed again, by itself", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a leader heard again during COAST is followed again automatically", S, float,
+                   double) {
   Harbour<S> h;
   h.cast_off();
   h.leader_talks = false;
@@ -137,7 +138,7 @@ TEST_CASE_TEMPLATE("a leader that is heard again within COAST is followed again,
   CHECK(h.pushes());
 }
 
-TEST_CASE_TEMPLATE("in COAST the operator has the last word", S, float, double) {
+TEST_CASE_TEMPLATE("in COAST the operator's requests prevail", S, float, double) {
   for (const float mode : {0.0F, 4.0F, 6.0F}) {
     Harbour<S> h;
     h.cast_off();
@@ -183,7 +184,7 @@ TEST_CASE_TEMPLATE("an ESC silent: both propellers stop, ArmingStatus 0, FAULT u
 }
 
 TEST_CASE_TEMPLATE(
-    "time that stands still makes neither NaN nor jump, time that goes back is counted", S, float,
+    "time that stands still causes neither NaN nor jump; time that goes back is counted", S, float,
     double) {
   Harbour<S> h;
   h.cast_off();
@@ -240,8 +241,8 @@ TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, gran
 }
 
 TEST_CASE_TEMPLATE(
-    "a command behind a message that broke off is heard: with its datagram, or 0.3 s later", S,
-    float, double) {
+    "a command behind a truncated message is obeyed, with its datagram or 0.3 s later", S, float,
+    double) {
   const bool datagrams = std::is_same_v<S, float>;
   for (const std::size_t cut : {1U, 5U, 10U, 20U}) {
     Harbour<S> h(Parameters{}, 2);
@@ -265,7 +266,7 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("a message may come in pieces while others' ticks pass", S, float, double) {
+TEST_CASE_TEMPLATE("a message may arrive in pieces over several ticks", S, float, double) {
   Harbour<S> h(Parameters{}, 2);
   h.sail(2);
   const testing::Bytes command = testing::frame_of(
@@ -287,8 +288,8 @@ testing::Bytes foreign_frame() {
   return out;
 }
 
-TEST_CASE_TEMPLATE("on a serial line busy with another dialect's messages no command is given up",
-                   S, float, double) {
+TEST_CASE_TEMPLATE("on a serial line busy with another dialect no command is lost", S, float,
+                   double) {
   for (int before = 10; before < 80; ++before) {
     Harbour<S> h(Parameters{}, 2);
     h.sail(2);
@@ -312,8 +313,9 @@ TEST_CASE_TEMPLATE("on a serial line busy with another dialect's messages no com
   }
 }
 
-TEST_CASE_TEMPLATE("told to follow another and to go on in the same tick, a boat goes nowhere", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "told to change its leader and to enter FORMATION in one tick, a boat stays in HOLD", S, float,
+    double) {
   Harbour<S> h;
   h.sail(2);
   h.arm();
@@ -334,7 +336,7 @@ TEST_CASE_TEMPLATE("told to follow another and to go on in the same tick, a boat
 }
 
 TEST_CASE_TEMPLATE(
-    "the force number arms no boat that a check keeps disarmed, and the operator hears why", S,
+    "the force number does not arm a boat that fails a check, and the operator gets the reason", S,
     float, double) {
   Harbour<S> h;
   h.stbd_talks = false;
@@ -378,9 +380,8 @@ TEST_CASE_TEMPLATE("without both origins no leader is followed", S, float, doubl
   CHECK((h.boat.snapshot().conditions & core::kLeaderFresh) != 0);
 }
 
-TEST_CASE_TEMPLATE(
-    "every link hears a heartbeat a second with state and mode, and the change at once", S, float,
-    double) {
+TEST_CASE_TEMPLATE("every link gets a heartbeat a second with state and mode, and a change at once",
+                   S, float, double) {
   Harbour<S> h(Parameters{}, 3);
   std::size_t beats = 0;
   for (int k = 0; k < 1000; ++k) {
@@ -405,7 +406,7 @@ TEST_CASE_TEMPLATE(
   CHECK((h.template all<link::Heartbeat>(2).back().base_mode & mav::kModeFlagArmed) != 0);
 }
 
-TEST_CASE_TEMPLATE("followers hear the state at SR_STATE while it is fresh, and never ODOMETRY", S,
+TEST_CASE_TEMPLATE("followers get the state at SR_STATE while it is fresh, and never ODOMETRY", S,
                    float, double) {
   Harbour<S> h;
   h.sail(2);
@@ -429,7 +430,7 @@ TEST_CASE_TEMPLATE("followers hear the state at SR_STATE while it is fresh, and 
   }
 }
 
-TEST_CASE_TEMPLATE("whoever asks for the time is told it, once, with his number", S, float,
+TEST_CASE_TEMPLATE("a TIMESYNC request is answered once, with the sender's number", S, float,
                    double) {
   Harbour<S> h;
   h.sail(1);
@@ -448,8 +449,7 @@ TEST_CASE_TEMPLATE("whoever asks for the time is told it, once, with his number"
   CHECK(answers == 1);
 }
 
-TEST_CASE_TEMPLATE("CURRENT_MODE tells the mode that is, and the one that was asked for", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("CURRENT_MODE gives the present mode and the one requested", S, float, double) {
   Harbour<S> h;
   /// mode, and 100 times the intended one
   const auto current_mode = [&]() -> int {
@@ -509,7 +509,7 @@ std::vector<std::uint8_t> said(const Boat<float>::Output& out) {
   return all;
 }
 
-TEST_CASE("boats that share an outbox say what each of them says alone") {
+TEST_CASE("boats that share an outbox send the same as each of them alone") {
   Outbox<kLinks> outbox;
   std::array<Room<kLinks, 0, 10, 5, 1>, 3> rooms;
   std::vector<std::unique_ptr<Boat<float>>> together, alone;
@@ -531,7 +531,7 @@ TEST_CASE("boats that share an outbox say what each of them says alone") {
   CHECK(bytes > 3000);
 }
 
-TEST_CASE("a boat in the storage of one that has been knows nothing of that one's links") {
+TEST_CASE("a boat in the storage of an earlier one knows nothing of that boat's links") {
   Outbox<kLinks> outbox;
   Room<kLinks, 1, 10, 5, 1> room;
   const Storage storage(room, outbox);

@@ -36,8 +36,9 @@ TEST_CASE_TEMPLATE("the bus goes down: FAULT within a tick, until it is up and a
   CHECK(h.pushes());
 }
 
-TEST_CASE_TEMPLATE("a boat whose parameters fell to defaults is armed by nobody before it saved", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "a boat whose parameters fell back to defaults cannot be armed before they are saved", S, float,
+    double) {
   Harbour<S> h;
   h.boat.on_host({.unsaved = kParametersUnsaved});
   h.step();
@@ -57,8 +58,8 @@ TEST_CASE_TEMPLATE("a boat whose parameters fell to defaults is armed by nobody 
   CHECK(h.boat.state() == State::kHold);
 }
 
-TEST_CASE_TEMPLATE("a boat that lost its fence is armed by nobody before it was sent or cleared", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a boat that lost its fence cannot be armed before the fence is sent or cleared",
+                   S, float, double) {
   Harbour<S> h;
   const auto report = [&] {
     h.boat.on_host({.unsaved = h.boat.fence_is_lost() ? kFenceLost : ""});
@@ -97,8 +98,7 @@ TEST_CASE_TEMPLATE("a boat that lost its fence is armed by nobody before it was 
   CHECK(h.boat.state() == State::kHold);
 }
 
-TEST_CASE_TEMPLATE("a disk that does not take the parameters is complained of once", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a disk that cannot store the parameters is reported once", S, float, double) {
   Harbour<S> h;
   h.sail(1);
   h.boat.on_host({.save_failed = true});
@@ -115,15 +115,14 @@ TEST_CASE_TEMPLATE("a disk that does not take the parameters is complained of on
   CHECK(h.says("could not be saved"));
 }
 
-TEST_CASE_TEMPLATE("a link whose device is not there is told on the others", S, float, double) {
+TEST_CASE_TEMPLATE("a link whose device is missing is reported on the others", S, float, double) {
   Harbour<S> h;
   h.boat.on_host({.closed_links = 0b100});
   h.step();
   CHECK(h.says("MAVLink link 2 is not open"));
 }
 
-TEST_CASE_TEMPLATE("told by its host to leave, a boat sends zeros and ArmingStatus 0", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("when its host exits, a boat sends zeros and ArmingStatus 0", S, float, double) {
   Harbour<S> h;
   h.cast_off();
   REQUIRE(h.pushes());
@@ -134,7 +133,7 @@ TEST_CASE_TEMPLATE("told by its host to leave, a boat sends zeros and ArmingStat
   CHECK(h.boat.state() == State::kDisarmed);
 }
 
-TEST_CASE_TEMPLATE("the host's clock is told to all who listen", S, float, double) {
+TEST_CASE_TEMPLATE("the host's clock is broadcast to all", S, float, double) {
   Harbour<S> h;
   h.boat.on_host({.unix_us = kUnix_us});
   bool told = false;
@@ -149,7 +148,7 @@ TEST_CASE_TEMPLATE("the host's clock is told to all who listen", S, float, doubl
 }
 
 TEST_CASE_TEMPLATE(
-    "with a key a boat signs, and obeys no unsigned word where it requires signatures", S, float,
+    "with a key a boat signs, and ignores unsigned messages where it requires signatures", S, float,
     double) {
   Harbour<S> h(Parameters{}, 2);
   const std::uint64_t clock = link::signing_time(kUnix_us);
@@ -180,8 +179,8 @@ TEST_CASE_TEMPLATE(
   CHECK((out.links->bytes(0)[2] & 1U) == 0);
 }
 
-TEST_CASE_TEMPLATE("a link with a limit carries less telemetry, the others as much as ever", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a limited link carries less telemetry, the others as much as before", S, float,
+                   double) {
   Harbour<S> h(Parameters{}, 2);
   h.boat.limit_link(1, 300);
   std::size_t free = 0, limited = 0;
@@ -196,9 +195,8 @@ TEST_CASE_TEMPLATE("a link with a limit carries less telemetry, the others as mu
   CHECK(free > 3 * limited);
 }
 
-TEST_CASE_TEMPLATE(
-    "what a slow link cannot carry at once goes on in a later tick: every value in its turn", S,
-    float, double) {
+TEST_CASE_TEMPLATE("values that a slow link cannot carry at once are sent in later ticks, in order",
+                   S, float, double) {
   Parameters p;
   p.FS_SEP_M = 0;  // DEPTH is told first of all
   Harbour<S> h(p, 2);
@@ -223,9 +221,8 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE(
-    "an origin that moves is told as it is now, also where a link has no credit for it", S, float,
-    double) {
+TEST_CASE_TEMPLATE("a moved origin is sent as it is now, also where a link had no credit for it", S,
+                   float, double) {
   constexpr std::int32_t kMoved = 410'000'005;  // half a metre: the boat can be there
   int told = 0;
   for (int k = 10; k < 90; ++k) {
@@ -249,7 +246,7 @@ TEST_CASE_TEMPLATE(
   CHECK(told >= 80);
 }
 
-TEST_CASE_TEMPLATE("node ids that were given away before stay given away", S, float, double) {
+TEST_CASE_TEMPLATE("node ids assigned earlier stay assigned", S, float, double) {
   Harbour<S> h;
   CHECK(h.boat.node_ids().restore({{7}, 125}));
   CHECK(h.boat.node_ids().table().size() == 1);

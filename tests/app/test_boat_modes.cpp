@@ -63,8 +63,7 @@ TEST_CASE_TEMPLATE("a motor test turns its propeller alone, for its time", S, fl
   }
 }
 
-TEST_CASE_TEMPLATE("a leader that answers requests for the time is known more exactly", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a leader that answers TIMESYNC is known more precisely", S, float, double) {
   Harbour<S> h;
   h.cast_off();
   const double before_m = h.boat.snapshot().leader_uncertainty_m.value();
@@ -82,7 +81,7 @@ TEST_CASE_TEMPLATE("a leader that answers requests for the time is known more ex
   CHECK(h.pushes());
 }
 
-TEST_CASE_TEMPLATE("ODOMETRY in a frame without north is refused, and the operator hears why", S,
+TEST_CASE_TEMPLATE("ODOMETRY in a frame without north is refused, and the operator is informed", S,
                    float, double) {
   Harbour<S> h;
   h.sail(1);
@@ -94,7 +93,7 @@ TEST_CASE_TEMPLATE("ODOMETRY in a frame without north is refused, and the operat
   CHECK(h.boat.snapshot().counters.mavlink_bad_frame == 1);
 }
 
-TEST_CASE_TEMPLATE("a propeller that turns the other way is told the other sign", S, float,
+TEST_CASE_TEMPLATE("a propeller that turns the other way gets the opposite sign", S, float,
                    double) {
   Harbour<S> h(Parameters{.THR_PORT_DIR = -1});
   h.cast_off();
@@ -103,7 +102,7 @@ TEST_CASE_TEMPLATE("a propeller that turns the other way is told the other sign"
   CHECK(h.boat.snapshot().thrust_N.port > 0);
 }
 
-TEST_CASE_TEMPLATE("told to follow itself, a boat does not", S, float, double) {
+TEST_CASE_TEMPLATE("a boat told to follow itself does not", S, float, double) {
   Harbour<S> h;
   h.sail(2);
   link::ParamSet leader{1, {1, 1}, {}, mav::kParamReal32};

@@ -48,7 +48,7 @@ TEST_CASE("a wrench beyond the scalar's range: no thrust, not even once, and FAU
   CHECK(h.arming == 0);
 }
 
-TEST_CASE("FAULT is left by disarming; the boat arms and sails again, where its numbers fit") {
+TEST_CASE("disarming leaves FAULT; the boat arms and sails again, where its numbers fit") {
   Harbour<Q16> h(eager());
   h.leader_north_m = 30;
   h.cast_off();
@@ -76,7 +76,7 @@ TEST_CASE_TEMPLATE("a boat in floating point is driven where Q16 has no room", S
   CHECK((h.boat.conditions() & core::kInRange) != 0);
 }
 
-TEST_CASE("a leader that is told 40 km away: no number of the law has room for that, FAULT") {
+TEST_CASE("a leader reported 40 km away is beyond the law's numbers: FAULT") {
   Harbour<Q16> h;
   h.cast_off();
   REQUIRE(h.boat.state() == State::kFormation);
@@ -88,8 +88,7 @@ TEST_CASE("a leader that is told 40 km away: no number of the law has room for t
   CHECK(h.boat.state() == State::kFault);
 }
 
-TEST_CASE(
-    "a leader told at 400 m/s is believed by nobody: it is lost, the boat drives on at most") {
+TEST_CASE("a leader reported at 400 m/s is not believed: it is lost, and the boat at most coasts") {
   Harbour<Q16> h;
   h.cast_off();
   h.leader_talks = false;
@@ -103,7 +102,7 @@ TEST_CASE(
   CHECK(h.boat.state() == State::kCoast);
 }
 
-TEST_CASE("a ship of 40 t is none that Q16 can sail: it stays DISARMED and says so") {
+TEST_CASE("Q16 cannot sail a ship of 40 t: it stays DISARMED and reports why") {
   Parameters p;
   p.VES_M11 = 40'000;
   Harbour<Q16> h(p);
@@ -119,7 +118,7 @@ TEST_CASE("a ship of 40 t is none that Q16 can sail: it stays DISARMED and says 
   CHECK(same.boat.state() == State::kFormation);
 }
 
-TEST_CASE("a boat's overflow is no other boat's, though they share a thread") {
+TEST_CASE("a boat's overflow does not affect another boat on the same thread") {
   Harbour<Q16> wild(eager()), calm;
   wild.leader_north_m = 30;
   for (Harbour<Q16>* h : {&wild, &calm}) h->sail(2);
@@ -133,7 +132,7 @@ TEST_CASE("a boat's overflow is no other boat's, though they share a thread") {
   CHECK(calm.boat.state() == State::kFormation);
 }
 
-TEST_CASE("hours of silence in HOLD are no overflow") {
+TEST_CASE("hours of silence in HOLD cause no overflow") {
   Harbour<Q16> h;
   h.sail(2);
   h.arm();

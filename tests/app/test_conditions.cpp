@@ -77,7 +77,7 @@ TEST_CASE("the lower of both voltages counts, when it has been below or above fo
   }
 }
 
-TEST_CASE("a voltage that nobody tells, or that is none, is not above the limit") {
+TEST_CASE("an unknown or invalid voltage does not count as above the limit") {
   Watch watch;
   watch.p.FS_BATT_V = 11;
   watch.pass(3);
@@ -94,7 +94,7 @@ TEST_CASE("a voltage that nobody tells, or that is none, is not above the limit"
   CHECK_FALSE(watch.good());
 }
 
-TEST_CASE("home is where the boat was first seen, then where it was armed; there it is inside") {
+TEST_CASE("home is the first known position, then the position of arming; there it is inside") {
   Watch watch;
   watch.p.FS_FENCE_M = 100;
   watch.pass(1);
@@ -142,7 +142,8 @@ TEST_CASE("an armed boat is inside up to the fence, in any direction, and inside
   }
 }
 
-TEST_CASE("a fence holds when the navigation unit chooses another origin, and across the globe") {
+TEST_CASE(
+    "a fence still holds after the navigation unit changes its origin, and across the globe") {
   Watch watch;
   watch.p.FS_FENCE_M = 1000;
   watch.at(0);
@@ -160,7 +161,7 @@ TEST_CASE("a fence holds when the navigation unit chooses another origin, and ac
   CHECK_FALSE(watch.inside());
 }
 
-TEST_CASE("each choice has its own parameter; those of a stop begin with HOLD, LOITER, RTL") {
+TEST_CASE("each failsafe choice has its own parameter; stops begin with HOLD, LOITER, RTL") {
   using enum core::Reaction;
   Parameters p;
   CHECK(configuration_of(p).failsafes.choices ==

@@ -28,7 +28,7 @@ TEST_CASE("every parameter has a wire name, a range that holds its default, and 
   CHECK(find_parameter("") == nullptr);
 }
 
-TEST_CASE("what is not a number, out of range, or not whole where it must be, is refused") {
+TEST_CASE("NaN, out-of-range values, and fractions where a whole number is needed, are refused") {
   for (const ParameterInfo& info : kParameterList) {
     CAPTURE(std::string(info.name));
     for (const float bad : {NAN, INFINITY, -INFINITY}) CHECK_FALSE(is_valid(info, bad));

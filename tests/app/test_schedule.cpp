@@ -30,7 +30,7 @@ TEST_CASE("a loop's jitter of less than half a tick skips no turn and repeats no
   CHECK(sent == 500);
 }
 
-TEST_CASE("after a gap there is one message, not all that were missed") {
+TEST_CASE("after a gap one message is sent, not all that were missed") {
   Schedule schedule(100'000);
   CHECK(schedule.take_if_due(0));
   CHECK(schedule.take_if_due(60'000'000));

@@ -17,7 +17,7 @@ TEST_CASE("a sentence that is too long is cut off, not written beyond its end") 
   CHECK(sentence.text().starts_with("abc1.5abc1.5"));
 }
 
-TEST_CASE("numbers in a sentence stand as one writes them, with six digits") {
+TEST_CASE("numbers in a sentence are written as usual, with six digits") {
   const auto written = [](float number) {
     Sentence sentence;
     sentence << number;

@@ -44,7 +44,7 @@ struct Helm {
   }
 };
 
-TEST_CASE("sticks at neutral when MANUAL is asked for: they drive at once") {
+TEST_CASE("sticks at neutral when MANUAL is requested: they drive at once") {
   Helm helm;
   CHECK(helm.hear({0.1, -0.1}, Request::kManual) == State::kManual);
   CHECK(helm.pushes());
@@ -52,7 +52,7 @@ TEST_CASE("sticks at neutral when MANUAL is asked for: they drive at once") {
   CHECK(helm.pushes());
 }
 
-TEST_CASE("sticks off neutral when MANUAL is asked for: no thrust until they were there once") {
+TEST_CASE("sticks off neutral when MANUAL is requested: no thrust until they were at neutral") {
   for (const Sticks off : {kFull, Sticks{-1, 0}, Sticks{0.11, 0}, Sticks{0, 0.11}, Sticks{0, -1}}) {
     Helm helm;
     CHECK(helm.hear(off, Request::kManual) == State::kManual);
@@ -65,7 +65,7 @@ TEST_CASE("sticks off neutral when MANUAL is asked for: no thrust until they wer
   }
 }
 
-TEST_CASE("neutral before MANUAL was asked for does not count, nor that of an earlier MANUAL") {
+TEST_CASE("neutral before MANUAL was requested does not count, nor that of an earlier MANUAL") {
   Helm helm;
   helm.hear_for(100, kNeutral);
   helm.hear(kFull, Request::kManual);
@@ -77,7 +77,7 @@ TEST_CASE("neutral before MANUAL was asked for does not count, nor that of an ea
   CHECK_FALSE(helm.pushes());
 }
 
-TEST_CASE("HOLD and MANUAL in one tick begin MANUAL anew") {
+TEST_CASE("HOLD and MANUAL in one tick restart MANUAL") {
   Helm helm;
   helm.hear(kNeutral, Request::kManual);
   helm.hear(kFull);
@@ -103,14 +103,14 @@ TEST_CASE("a failsafe brings a boat into MANUAL while a pilot holds full ahead: 
   }
 }
 
-TEST_CASE("MANUAL that is asked for again in MANUAL changes nothing") {
+TEST_CASE("MANUAL requested again in MANUAL changes nothing") {
   Helm helm;
   helm.hear(kNeutral, Request::kManual);
   helm.hear(kFull, Request::kManual);
   CHECK(helm.pushes());
 }
 
-TEST_CASE("sticks that fell silent come back full: HOLD, and MANUAL asked for again gives none") {
+TEST_CASE("silent sticks come back full: HOLD, and MANUAL requested again gives no thrust") {
   Helm helm;
   helm.hear(kNeutral, Request::kManual);
   helm.hear(kFull);
@@ -121,7 +121,7 @@ TEST_CASE("sticks that fell silent come back full: HOLD, and MANUAL asked for ag
   CHECK_FALSE(helm.pushes());
 }
 
-TEST_CASE("after half a second's silence HOLD follows, whoever speaks up before the tick") {
+TEST_CASE("half a second of silence leads to HOLD, whoever sends sticks before the tick") {
   for (const link::Address from : {kFirst, kSecond}) {
     Helm helm;
     helm.hear(kNeutral, Request::kManual);

@@ -23,8 +23,7 @@ TEST_CASE_TEMPLATE("more port than starboard thrust turns the boat to starboard"
   CHECK(out.thrust.stbd == approx(S(0)));
 }
 
-TEST_CASE_TEMPLATE("what two propellers can give, they are asked for and nothing is missing", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a feasible wrench is given exactly and nothing is missing", S, float, double) {
   constexpr std::uint32_t kSeed = 14;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -41,8 +40,9 @@ TEST_CASE_TEMPLATE("what two propellers can give, they are asked for and nothing
   }
 }
 
-TEST_CASE_TEMPLATE("whatever is asked, no propeller passes its limit and the books balance", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "for any wrench no propeller exceeds its limit, and given plus missing is the request", S,
+    float, double) {
   constexpr std::uint32_t kSeed = 15;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -66,8 +66,8 @@ TEST_CASE_TEMPLATE("whatever is asked, no propeller passes its limit and the boo
 }
 
 TEST_CASE_TEMPLATE(
-    "yaw comes first: surge gets what yaw leaves, all of it, and the limits that act are told", S,
-    float, double) {
+    "yaw has priority: surge gets all that yaw leaves, and acting limits are reported", S, float,
+    double) {
   constexpr std::uint32_t kSeed = 16;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -89,9 +89,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "a boat that brakes as it turns gets the surge asked, down to half astern, and the rest for "
-    "yaw",
-    S, float, double) {
+    "braking in a turn gives the surge requested, down to half astern, and the rest to yaw", S,
+    float, double) {
   constexpr std::uint32_t kSeed = 17;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -112,7 +111,7 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("nothing asked, nothing given", S, float, double) {
+TEST_CASE_TEMPLATE("a zero wrench gives zero thrust", S, float, double) {
   const Allocation<S> out = allocate(AllocationParams<S>{S(0.25), S(30), S(10)}, Tau<S>{});
   CHECK(out.thrust.port == S(0));
   CHECK(out.thrust.stbd == S(0));

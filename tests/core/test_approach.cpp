@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("abeam of a leader at rest a boat turns, sails to its slot, a
   }
 }
 
-TEST_CASE("from anywhere around a leader at rest boats come to their slots and lie there quietly") {
+TEST_CASE("from any start around a leader at rest boats reach their slots and stay quietly") {
   constexpr std::uint32_t kSeed = 111;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -95,7 +95,7 @@ TEST_CASE_TEMPLATE(
   CHECK_FALSE(lie(at<S>(0, 10, 0), 20, params).started);
 }
 
-TEST_CASE_TEMPLATE("a boat far abeam of a slot that makes way, or ahead, sails across to it", S,
+TEST_CASE_TEMPLATE("a boat far abeam or ahead of a slot that makes way sails across to it", S,
                    float, double) {
   const auto params = testing::products_law<S>();
   const auto leader = testing::voyage([](double) { return Tau<double>{2, 0}; }, kH, 90);
@@ -179,7 +179,7 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
   }
 }
 
-TEST_CASE("a force is a push as far as it exceeds what a neutral band may hide") {
+TEST_CASE("only the part of a force beyond the neutral band counts as a push") {
   const Vessel<double> vessel(16.5, 35, 8.7, 1.5, 180, 0.6, 8.1);
   const ApproachParams<double> params{0.2, 1, 0.15, 0, 2};
   const auto push = [&](double X) {
@@ -199,7 +199,7 @@ TEST_CASE("a force is a push as far as it exceeds what a neutral band may hide")
   CHECK(push(500) == doctest::Approx(1));
 }
 
-TEST_CASE("near its slot in a current a boat brings its bow round, and keeps it so within metres") {
+TEST_CASE("near its slot a boat turns its bow into the current, and keeps it so within metres") {
   const ApproachParams<double> params{0.2, 1, 0.15, 0};
   ApproachState<double> state{true, true};
   const auto theta = [&](double closing) {
@@ -217,7 +217,7 @@ TEST_CASE("near its slot in a current a boat brings its bow round, and keeps it 
   CHECK(theta(0.06) == doctest::Approx(0));
 }
 
-TEST_CASE("the end of the boat that goes first is not changed for a trifle") {
+TEST_CASE("the choice between bow first and stern first does not change for a small gain") {
   const ApproachParams<double> params{0.2, 1, 0.15, 0};
   ApproachState<double> state;
   const auto bearing = [&](double angle) {
@@ -235,9 +235,8 @@ TEST_CASE("the end of the boat that goes first is not changed for a trifle") {
   CHECK_FALSE(state.astern);
 }
 
-TEST_CASE_TEMPLATE(
-    "where nothing is wanted the bow stays as it is, also beside a leader that turns", S, float,
-    double) {
+TEST_CASE_TEMPLATE("without a demand the bow stays as it is, also beside a leader that turns", S,
+                   float, double) {
   const ApproachParams<S> params{S(0.2), S(1), S(0.15), S(0)};
   ApproachState<S> state{true, true};
   const auto sight = sight_of_way(params, state, SlotWay<S>{}, S(0.7), S(0.3), true);

@@ -73,8 +73,7 @@ TEST_CASE("the leader's acceleration is the slope of its velocity, and nothing o
   }
 }
 
-TEST_CASE_TEMPLATE("a leader that is carried on from the first instant has not moved yet", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a leader extrapolated by no time has not moved yet", S, float, double) {
   auto state = coast_start(motion<S>(2, 1, 0, 0.3));
   coast_forward(S(5), state, S(0));
   CHECK(state.leader.moved_n.x == S(0));

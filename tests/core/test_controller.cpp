@@ -28,8 +28,7 @@ TEST_CASE_TEMPLATE("a step is error, virtual velocity, wrench and thrusts in thi
   CHECK(state.outer.r_star_held == desired.nu_star.r);
 }
 
-TEST_CASE(
-    "v* follows from what the step asked for in the end: limited, and clear of other vessels") {
+TEST_CASE("v* follows from the step's final request: limited, and clear of other vessels") {
   constexpr std::uint32_t kSeed = 27;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -71,7 +70,7 @@ TEST_CASE("a slot that moves in the shape: a boat that faces away goes with it w
   CHECK(u_star().u == doctest::Approx(0.8));
 }
 
-TEST_CASE("in a current u* is wanted through the water, and its derivative is the slope of that") {
+TEST_CASE("in a current u* is relative to the water, and its derivative is its slope") {
   constexpr std::uint32_t kSeed = 25;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -90,7 +89,7 @@ TEST_CASE("in a current u* is wanted through the water, and its derivative is th
   }
 }
 
-TEST_CASE("where all the water moves, boats that turn together are none the wiser") {
+TEST_CASE("uniformly moving water does not affect boats that turn together") {
   constexpr std::uint32_t kSeed = 26;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -160,8 +159,7 @@ TEST_CASE_TEMPLATE("a leader on a circle is followed, and when it stops the boat
   for (std::size_t i = 3; i < 6; ++i) CHECK(std::abs(world.boat.q[i]) < 1e-3);
 }
 
-TEST_CASE_TEMPLATE("in float and from any start the boat never leaves the numbers", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("in float, from any start, all numbers stay in range", S, float, double) {
   constexpr std::uint32_t kSeed = 23;
   INFO("seed ", kSeed);
   Random random(kSeed);

@@ -112,8 +112,8 @@ int different(const Said<S>& a, const Said<S>& b) {
   return out;
 }
 
-TEST_CASE_TEMPLATE("with every extension at 0 a boat does what the paper says, to the last bit", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("with every extension at 0 the law is the paper's, to the last bit", S, float,
+                   double) {
   constexpr std::uint32_t kSeed = 91;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -136,9 +136,8 @@ TEST_CASE_TEMPLATE("with every extension at 0 a boat does what the paper says, t
   CHECK(free > 100);
 }
 
-TEST_CASE_TEMPLATE(
-    "boats at rest, in their slots or stern first do what the paper says, to the last bit", S,
-    float, double) {
+TEST_CASE_TEMPLATE("at rest, in the slot and stern first the law is the paper's, to the last bit",
+                   S, float, double) {
   Random random(92);
   for (int run = 0; run < 1000; ++run) {
     const ControllerParams<S> params = arbitrary_params<S>(random);
@@ -155,8 +154,8 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("with the bow to the leader's stern, r* is that of the error that is told", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("with the bow to the leader's stern, r* is that of the reported error", S, float,
+                   double) {
   Random random(92);
   for (int i = 0; i < 3000; ++i) {
     ControllerInput<S> in;
@@ -170,7 +169,7 @@ TEST_CASE_TEMPLATE("with the bow to the leader's stern, r* is that of the error 
   }
 }
 
-TEST_CASE("a bit more or less of any gain is seen") {
+TEST_CASE("a one-bit change of any gain changes the result") {
   Random random(93);
   const ControllerParams<double> params = arbitrary_params<double>(random);
   const auto in = testing::arbitrary_encounter<double>(random);

@@ -88,8 +88,8 @@ TEST_CASE_TEMPLATE(
   CHECK(astray<S>(kSeed, 100, sea) == 0);
 }
 
-TEST_CASE_TEMPLATE("a leader that stops for a minute is circled by nobody, and followed after", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("no boat circles a leader that stops for a minute, and all follow it afterwards",
+                   S, float, double) {
   constexpr std::uint32_t kSeed = 64;
   INFO("seed ", kSeed);
   const auto stops = [](double t) {
@@ -104,7 +104,7 @@ TEST_CASE_TEMPLATE("a leader that stops for a minute is circled by nobody, and f
   CHECK(turned < 2 * testing::kPi);
 }
 
-TEST_CASE_TEMPLATE("a cross current of 0.1 m/s carries nobody away", S, float, double) {
+TEST_CASE_TEMPLATE("a cross current of 0.1 m/s carries no boat away", S, float, double) {
   constexpr std::uint32_t kSeed = 65;
   INFO("seed ", kSeed);
   CHECK(astray<S>(kSeed, 100, {.current = {0, 0.1}}) == 0);

@@ -116,7 +116,7 @@ int differences(Extension off, Extension left_out) {
   return out;
 }
 
-TEST_CASE_TEMPLATE("each extension at 0 is as if it had never been thought of", S, float, double) {
+TEST_CASE_TEMPLATE("each extension at 0 has no effect at all", S, float, double) {
   INFO("seed ", kSeed);
   for (const Extension e : {Extension::kNone, Extension::kSteeredSlot, Extension::kLineOfSight,
                             Extension::kLimits, Extension::kCurrent, Extension::kUnknown}) {
@@ -145,8 +145,8 @@ Assumed<S> sail(const testing::ProductParams<S>& params) {
   return last;
 }
 
-TEST_CASE_TEMPLATE("a boat whose extension is at 0 assumes nothing, and the rest goes on", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("an extension at 0 makes no assumptions, and the rest of the law goes on", S,
+                   float, double) {
   auto params = testing::products_law<S>();
   const Assumed<S> all = sail(params);
   CHECK(all.in.unknown.X != S(0));

@@ -49,8 +49,8 @@ Moments beside_a_noisy_leader(double aside, std::uint32_t seed) {
   return out;
 }
 
-TEST_CASE_TEMPLATE("the noise of a leader at rest is not worth a tenth of a newton metre", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("the noise of a leader at rest causes less than a tenth of a newton metre", S,
+                   float, double) {
   for (const double aside : {0.0, 0.3, 1.0}) {
     for (const std::uint32_t seed : {96U, 97U}) {
       INFO("seed ", seed, ", ", aside, " m aside");
@@ -85,8 +85,8 @@ TEST_CASE_TEMPLATE("a boat far ahead of a slow leader goes no farther abeam to w
   }
 }
 
-TEST_CASE_TEMPLATE("a leader faster than LAW_U_MAX is followed at LAW_U_MAX, and told", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a leader faster than LAW_U_MAX is followed at LAW_U_MAX, and this is reported",
+                   S, float, double) {
   auto params = testing::products_law<S>();
   const auto leader = testing::voyage([](double) { return Tau<double>{7, 0.1}; }, kH, 120);
   CHECK(leader.back().nu.u > 1.9);
@@ -128,8 +128,7 @@ TEST_CASE_TEMPLATE("a slot 10 m astern of a leader that pivots asks for no more 
   CHECK(off < 1.6);  // its true speed
 }
 
-TEST_CASE_TEMPLATE("nothing that a boat meets makes it ask for more than its limits", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("in no situation does a boat ask for more than its limits", S, float, double) {
   constexpr std::uint32_t kSeed = 99;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -175,10 +174,8 @@ double off_before_the_wind(double push_N, double aside) {
   return std::hypot(boat.hull.q[0] - leader.back().place.x, boat.hull.q[1]);
 }
 
-TEST_CASE_TEMPLATE(
-    "a force from astern, as strong as the boat's drag or more, hinders no boat to "
-    "come to its track",
-    S, float, double) {
+TEST_CASE_TEMPLATE("a force from astern as strong as the drag does not keep a boat from its track",
+                   S, float, double) {
   for (const double share : {0.0, 0.9, 1.0, 1.4, 3.0}) {
     INFO("push over drag ", share);
     CHECK(off_before_the_wind<S>(share * 0.4 * 3.436, 2) < 0.05);

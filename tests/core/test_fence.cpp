@@ -137,9 +137,8 @@ TEST_CASE_TEMPLATE(
   CHECK_FALSE(take_overflow<S>());
 }
 
-TEST_CASE_TEMPLATE(
-    "a leg is as clear as the least clear of its points, and not at all if it crosses", S, float,
-    double, Q16) {
+TEST_CASE_TEMPLATE("the clearance of a leg is the least of its points; a leg that crosses has none",
+                   S, float, double, Q16) {
   constexpr std::uint32_t kSeed = 12;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -196,7 +195,7 @@ TEST_CASE("a leg through a thin strip, or past a corner, is seen") {
   CHECK(clearance_of<double>(wedge, {1, -50}, {1, 50}) <= 0);
 }
 
-TEST_CASE("a leg without length is a place") {
+TEST_CASE("a leg without length is a point") {
   const Drawn pool{{{0, 0}}, 10, true};
   const Drawn square{{{0, 0}, {0, 10}, {10, 10}, {10, 0}}, 0, true};
   for (const Drawn& drawn : {pool, square}) {
@@ -205,7 +204,7 @@ TEST_CASE("a leg without length is a place") {
   }
 }
 
-TEST_CASE("edges that cross have no distance, and others that of their nearest points") {
+TEST_CASE("the distance of crossing edges is 0, of others that of their nearest points") {
   using V = Vec2<double>;
   CHECK(distance_between(V{0, 0}, V{10, 10}, V{0, 10}, V{10, 0}) == 0);
   CHECK(distance_between(V{0, 0}, V{10, 0}, V{5, 3}, V{5, 9}) == doctest::Approx(3));

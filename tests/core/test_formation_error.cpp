@@ -38,8 +38,8 @@ TEST_CASE_TEMPLATE("a boat in its slot with its leader's motion has no error and
   }
 }
 
-TEST_CASE_TEMPLATE("the error cares for neither place nor compass: shift or turn all, it stays", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("the error does not change if everything is shifted or turned", S, float,
+                   double) {
   constexpr std::uint32_t kSeed = 6;
   INFO("seed ", kSeed);
   Random random(kSeed);

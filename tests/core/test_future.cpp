@@ -41,8 +41,8 @@ Future<double> arbitrary(Random& random) {
   return out;
 }
 
-TEST_CASE_TEMPLATE("who follows a told future from an old reference is where the root is", S, float,
-                   double, Q16) {
+TEST_CASE_TEMPLATE("following the prediction from an old reference gives the root's present motion",
+                   S, float, double, Q16) {
   constexpr std::uint32_t kSeed = 83;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -88,7 +88,7 @@ TEST_CASE("after the last sample the motion is constant, before the first it lea
   CHECK(future_motion(future, walk, 18.0).nu.u == doctest::Approx(1));
 }
 
-TEST_CASE("a root that sails otherwise than it told is noticed") {
+TEST_CASE("a root that deviates from its predicted motion is noticed") {
   Future<double> future;
   future.u.fill(0.6);
   CHECK(future_holds(future, {0.6, 0, 0}, 3.0));

@@ -39,7 +39,8 @@ ControllerInput<double> straight(double behind, double aside, double speed) {
   return in;
 }
 
-TEST_CASE_TEMPLATE("without a look-ahead there is no line of sight, exactly", S, float, double) {
+TEST_CASE_TEMPLATE("without a look-ahead there is no line-of-sight angle, exactly", S, float,
+                   double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
@@ -51,8 +52,7 @@ TEST_CASE_TEMPLATE("without a look-ahead there is no line of sight, exactly", S,
   }
 }
 
-TEST_CASE_TEMPLATE("the bow never turns by more than one radian for the track's sake", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("the line-of-sight angle is never more than one radian", S, float, double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 5000; ++i) {
@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("the bow never turns by more than one radian for the track's 
   }
 }
 
-TEST_CASE_TEMPLATE("seen in a mirror, the bow turns the other way", S, float, double) {
+TEST_CASE_TEMPLATE("in the mirror image, the bow turns the other way", S, float, double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
   const auto mirrored = [](const Nu<S>& nu) { return Nu<S>{nu.u, -nu.v, -nu.r}; };
@@ -97,8 +97,9 @@ TEST_CASE("a boat to starboard of its slot's track turns to port, the more the f
   CHECK(last < -0.98);
 }
 
-TEST_CASE_TEMPLATE("a boat steers by the smaller speed, and by none where two disagree", S, float,
-                   double) {
+TEST_CASE_TEMPLATE(
+    "line of sight uses the smaller of two speeds, and none where their signs differ", S, float,
+    double) {
   CHECK(smaller_of_same_sign(S(2), S(1)) == S(1));
   CHECK(smaller_of_same_sign(S(-2), S(-1)) == S(-1));
   CHECK(smaller_of_same_sign(S(2), S(-1)) == S(0));
@@ -123,9 +124,8 @@ TEST_CASE("from far behind the bow points at the slot") {
   }
 }
 
-TEST_CASE_TEMPLATE(
-    "a slot that stands still is not looked for; one that goes astern turns it round", S, float,
-    double) {
+TEST_CASE_TEMPLATE("a slot at rest gives no line of sight; one that goes astern turns it round", S,
+                   float, double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
@@ -147,7 +147,7 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE("the bow's angle changes as its rate says while both vessels sail on") {
+TEST_CASE("the rate of the line-of-sight angle is its derivative while both vessels sail on") {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 1000; ++i) {

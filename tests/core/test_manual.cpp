@@ -33,8 +33,8 @@ TEST_CASE_TEMPLATE("sticks at rest: both propellers stand still", S, float, doub
   CHECK(thrust.stbd == S(0));
 }
 
-TEST_CASE_TEMPLATE("stick full ahead or astern: all that both propellers have, that way", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("stick full ahead or astern: full thrust of both propellers in that direction",
+                   S, float, double) {
   check_thrusts(drive<S>(1, 0).thrust, 20, 20);
   check_thrusts(drive<S>(-1, 0).thrust, -8, -8);
   check_thrusts(drive<S>(0.5, 0).thrust, 10, 10);
@@ -48,15 +48,15 @@ TEST_CASE_TEMPLATE("stick hard over: port ahead and starboard astern turn her to
   check_thrusts(drive<S>(0, 0.5).thrust, 7, -7);
 }
 
-TEST_CASE_TEMPLATE("both sticks full: she turns as hard as she can, and gets ahead by what is left",
-                   S, float, double) {
+TEST_CASE_TEMPLATE("both sticks full: yaw gets all it asks for, surge the rest", S, float, double) {
   check_thrusts(drive<S>(1, 1).thrust, 20, -8);
   check_thrusts(drive<S>(1, 0.5).thrust, 20, 6);
   check_thrusts(drive<S>(-1, 0.5).thrust, 6, -8);
 }
 
-TEST_CASE_TEMPLATE("no stick alone asks for more than is given, and more stick never gives less", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "no stick alone asks for more than can be given, and more stick never gives less", S, float,
+    double) {
   constexpr std::uint32_t kSeed = 31;
   INFO("seed ", kSeed);
   Random random(kSeed);

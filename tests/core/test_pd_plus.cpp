@@ -54,8 +54,8 @@ TEST_CASE_TEMPLATE("a boat that is too fast is braked by its gain, one that turn
   }
 }
 
-TEST_CASE_TEMPLATE("drag that grows with speed is paid for at the speed that the boat has", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("drag that grows with speed is compensated at the boat's own speed", S, float,
+                   double) {
   constexpr std::uint32_t kSeed = 12;
   INFO("seed ", kSeed);
   Random random(kSeed);

@@ -42,7 +42,7 @@ struct Voyage {
   }
 };
 
-TEST_CASE_TEMPLATE("a root that goes on as it is told is where it is foreseen", S, float, double,
+TEST_CASE_TEMPLATE("a root that sails as it reported is where it is predicted", S, float, double,
                    Q16) {
   constexpr std::uint32_t kSeed = 81;
   INFO("seed ", kSeed);
@@ -76,7 +76,7 @@ TEST_CASE("on a circle the chord is right for as long as any reference is follow
   }
 }
 
-TEST_CASE("whatever is told, no velocity is foreseen to change by more than its limit") {
+TEST_CASE("whatever is received, no velocity is predicted to change by more than its limit") {
   constexpr std::uint32_t kSeed = 82;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -90,7 +90,7 @@ TEST_CASE("whatever is told, no velocity is foreseen to change by more than its 
   }
 }
 
-TEST_CASE("a reference that is not older than nothing is the root itself") {
+TEST_CASE("a reference of age zero is the root itself") {
   const ReferenceMotion<double> at{0.7, {1, 0.1, 0.2}, {0.1, 0.2, 0.3}, 0.4};
   const Motion<double> now = reference_forward(kLimits, at, 0.0);
   CHECK(now.moved_n.x == 0);
@@ -122,7 +122,8 @@ double gain(double omega, double age_s, double spacing_s) {
   return greatest;
 }
 
-TEST_CASE("what a maker hears is passed on with little gain at any frequency, the more the older") {
+TEST_CASE(
+    "noise of a reference is relayed with a bounded gain at any frequency, growing with age") {
   struct Bound {
     double age_s, gain, at_the_s_curve;
   };
@@ -173,8 +174,9 @@ TEST_CASE_TEMPLATE("a boat makes way for a leader that is half a metre off, and 
   }
 }
 
-TEST_CASE_TEMPLATE("a step of the slot is undone at first, and all gone after five seconds", S,
-                   float, double, Q16) {
+TEST_CASE_TEMPLATE(
+    "a step of the slot is compensated at first, and fully in effect after five seconds", S, float,
+    double, Q16) {
   Blend<S> blend = blend_start(Vec2<S>{in_scalar<S>(0.8), in_scalar<S>(-0.4)});
   CHECK(number_of(rest_of(blend).x) == doctest::Approx(0.8).epsilon(1e-4));
   double before = 0.8, steepest = 0;

@@ -20,7 +20,7 @@ TEST_CASE_TEMPLATE("a boat that heads east has ahead to the east and starboard t
   CHECK(starboard.y == approx(S(0)));
 }
 
-TEST_CASE_TEMPLATE("there and back again is where one started, at the same distance", S, float,
+TEST_CASE_TEMPLATE("rotating there and back is the identity, and distances are kept", S, float,
                    double) {
   constexpr std::uint32_t kSeed = 3;
   INFO("seed ", kSeed);

@@ -96,7 +96,7 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE("only who has the way is yielded to; the other is told of all the same") {
+TEST_CASE("a boat yields only to a vessel with right of way; the other is reported all the same") {
   Sailor boat({0, 0, 0, 0.5, 0, 0});
   for (const bool has_way : {true, false}) {
     boat.state = {};
@@ -107,7 +107,7 @@ TEST_CASE("only who has the way is yielded to; the other is told of all the same
   }
 }
 
-TEST_CASE("two boats bow to bow, each with the way, stop before they are too near") {
+TEST_CASE("two boats bow to bow, each with right of way, stop before they are too close") {
   Sailor a({-10, 0, 0, 1.5, 0, 0}), b({10, 0.05, testing::kPi, 1.5, 0, 0});
   double least = 1e9;
   for (int k = 0; k < 3000; ++k) {
@@ -120,7 +120,7 @@ TEST_CASE("two boats bow to bow, each with the way, stop before they are too nea
   CHECK(least < 1.4 * kMin);
 }
 
-TEST_CASE("a vessel that lies in the way is passed, from whichever side") {
+TEST_CASE("a stationary vessel on the path is passed, on either side") {
   for (const double aside : {-0.5, 0.0, 0.5}) {
     for (const double psi : {0.0, 1.5, -3.0}) {
       Sailor boat({-10, aside, psi, 0, 0, 0});
@@ -136,7 +136,7 @@ TEST_CASE("a vessel that lies in the way is passed, from whichever side") {
   }
 }
 
-TEST_CASE("what is uncertain is kept away from farther") {
+TEST_CASE("a vessel at an uncertain position is passed at a greater distance") {
   std::vector<double> least;
   for (const double margin : {0.0, 2.0}) {
     Sailor boat({-10, 0.3, 0, 0, 0, 0});
@@ -291,7 +291,7 @@ TEST_CASE("a choice that was clear is clear a moment later") {
   CHECK(clear > 500);
 }
 
-TEST_CASE("of several vessels those without the way change no course that is taken") {
+TEST_CASE("of several vessels, those without right of way change no chosen course") {
   SeparationParams<double> params;
   params.least = kMin;
   const VirtualVelocityParams<double> limits{0.2, 0.5, 1.5, 0.8};
@@ -314,7 +314,7 @@ TEST_CASE("of several vessels those without the way change no course that is tak
   }
 }
 
-TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not") {
+TEST_CASE("a boat that goes astern stops before the vessel behind it, right of way or not") {
   SeparationParams<double> params;
   params.least = kMin;
   const Intent<double> intent{{0.5, 0}, {1, 0}, {2.5, 0}, 1.5, 0.8};

@@ -155,8 +155,8 @@ TEST_CASE_TEMPLATE("in a cross current the slot heads where the boat's way throu
   }
 }
 
-TEST_CASE_TEMPLATE("what changes steadily is smoothed without lag, a leap by two equal poles", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a steady change is smoothed without lag, a step by two equal poles", S, float,
+                   double) {
   for (const double h : {0.005, 0.02, 0.1}) {
     const double rho = 1 / (1 + 2 * h);
     Smooth<S> ramp, leap;
@@ -178,8 +178,8 @@ TEST_CASE_TEMPLATE("what changes steadily is smoothed without lag, a leap by two
   }
 }
 
-TEST_CASE_TEMPLATE("no leader, water or hull, and no step, takes the slot out of the numbers", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("no leader, current, hull or time step takes the slot out of range", S, float,
+                   double) {
   constexpr std::uint32_t kSeed = 75;
   INFO("seed ", kSeed);
   Random random(kSeed);

@@ -42,7 +42,7 @@ TEST_CASE_TEMPLATE("behind a leader that goes straight the slot heads straight",
   CHECK(worst_turn_of_slot(Vessel<S>{S(200), S(300), S(100), S(80), S(100), S(100)}, 300) < 0.01);
 }
 
-TEST_CASE_TEMPLATE("a boat heavier ahead than abeam keeps its slot in the numbers", S, float,
+TEST_CASE_TEMPLATE("a boat with more mass in surge than in sway keeps its slot in range", S, float,
                    double) {
   constexpr std::uint32_t kSeed = 75;
   INFO("seed ", kSeed);
@@ -115,7 +115,7 @@ double worst_behind_its_like(const Vessel<double>& m, double swing) {
   return worst;
 }
 
-TEST_CASE_TEMPLATE("a model ship behind its like heads as that does, whatever its speed", S, float,
+TEST_CASE_TEMPLATE("a model ship behind its like has the same heading, at any speed", S, float,
                    double) {
   CHECK(worst_behind_its_like<S>(cybership<double>(), 0.2) < 0.04);
 }

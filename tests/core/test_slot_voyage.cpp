@@ -139,7 +139,8 @@ double largest_step(const std::vector<Point>& path) {
   return out;
 }
 
-TEST_CASE("a leader that stops, goes astern or turns on the spot never makes the slot's bow leap") {
+TEST_CASE(
+    "a leader that stops, goes astern or turns on the spot never makes the slot's heading jump") {
   const std::array<testing::Thrusting, 3> manoeuvres = {
       [](double t) { return 20 < t && t < 60 ? Tau<double>{} : Tau<double>{2, 0.15}; },
       [](double t) { return Tau<double>{2.5 * std::cos(0.1 * t), 0.15 * std::sin(0.17 * t)}; },

@@ -81,8 +81,8 @@ TEST_CASE_TEMPLATE("winning back what yielding cost, again and again, is no prog
   CHECK(w.state.loss == StationLoss::kStuck);
 }
 
-TEST_CASE_TEMPLATE("a slot that moves elsewhere again and again hides no boat that makes no way", S,
-                   float, double, Q16) {
+TEST_CASE_TEMPLATE("a slot that moves repeatedly does not hide a boat that makes no way", S, float,
+                   double, Q16) {
   Watch<S> w;
   double until = 0;
   while (until < 200 && w.state.loss == StationLoss::kNo) {
@@ -190,7 +190,7 @@ TEST_CASE_TEMPLATE("a boat that spins for two seconds is out of formation, in it
   }
 }
 
-TEST_CASE_TEMPLATE("so is one that swings to and fro", S, float, double, Q16) {
+TEST_CASE_TEMPLATE("a boat that swings to and fro is out of formation", S, float, double, Q16) {
   Watch<S> w;
   w.stay(4, 0);
   for (int k = 0; k < 20 && w.state.loss == StationLoss::kNo; ++k) {
@@ -202,8 +202,8 @@ TEST_CASE_TEMPLATE("so is one that swings to and fro", S, float, double, Q16) {
   CHECK(w.state.loss == StationLoss::kSpins);
 }
 
-TEST_CASE_TEMPLATE("beside a slot at rest the boat is in it where the law leaves it alone", S,
-                   float, double, Q16) {
+TEST_CASE_TEMPLATE("beside a slot at rest, a boat that the law leaves alone counts as in its slot",
+                   S, float, double, Q16) {
   Watch<S> w;
   CHECK(w.stay(5, 1.5) == -1);
   CHECK_FALSE(w.state.in);
@@ -212,7 +212,7 @@ TEST_CASE_TEMPLATE("beside a slot at rest the boat is in it where the law leaves
   CHECK(w.state.in);
 }
 
-TEST_CASE_TEMPLATE("0 m: nothing is judged", S, float, double, Q16) {
+TEST_CASE_TEMPLATE("limit 0 m: nothing is judged", S, float, double, Q16) {
   Watch<S> w;
   w.params.D = S(0);
   w.in.r = S(9);

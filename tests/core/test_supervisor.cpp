@@ -136,7 +136,7 @@ Expected specified(State state, Request request, Conditions met, Reaction reacti
   return {state, false};
 }
 
-TEST_CASE("every state, request and set of conditions ends where the specification says") {
+TEST_CASE("every state, request and set of conditions leads to the specified state") {
   std::uint64_t situations = 0;
   for_every_situation([&](State state, Request request, Conditions met, Reaction reaction) {
     const Expected expected = specified(state, request, met, reaction);
@@ -154,7 +154,7 @@ TEST_CASE("every state, request and set of conditions ends where the specificati
   MESSAGE(situations, " situations");
 }
 
-TEST_CASE("conditions of one kind count one by one: any that is not met is as bad as all") {
+TEST_CASE("conditions of one kind count separately: one unmet is as bad as all") {
   const Conditions all = kAllConditions;
   unsigned compared = 0;
   for (const Conditions kind : classes()) {
@@ -242,7 +242,7 @@ TEST_CASE("a request that was granted is granted again, but for a test, and chan
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a refusal for want of conditions names exactly those, and meeting them is enough") {
+TEST_CASE("a refusal names exactly the unmet conditions, and meeting them is enough") {
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request request, Conditions met, Reaction) {
     const Verdict refused = supervise(state, request, met);
@@ -258,7 +258,7 @@ TEST_CASE("a refusal for want of conditions names exactly those, and meeting the
   CHECK(supervise(State::kCoast, Request::kNone, kCoastDrive).missing == 0);
 }
 
-TEST_CASE("what the boat lost is named when it changes its state by itself") {
+TEST_CASE("the lost condition is named when the boat changes its state automatically") {
   const auto lost = [](State state, Conditions unmet) {
     const Conditions met = kAllConditions & ~unmet;
     return supervise(state, Request::kNone, met, response_to(Choices{}, state, met));
@@ -343,7 +343,7 @@ TEST_CASE("a boat that lost its navigation and its leader can be driven home") {
   CHECK(may_drive(State::kManual, kBlind));
 }
 
-TEST_CASE("what FORMATION lacks is named when a boat is armed without it") {
+TEST_CASE("the conditions missing for FORMATION are named when a boat is armed without it") {
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request request, Conditions met, Reaction) {
     const Verdict armed = supervise(state, request, met);

@@ -250,7 +250,7 @@ const Found& found() {
   return all;
 }
 
-TEST_CASE("no history of faults and requests ends where the boat must not be") {
+TEST_CASE("no history of faults and requests leads to a forbidden state") {
   CHECK(found().broken.size() == 7);
   for (const auto& [choices, broken] : found().broken) {
     CAPTURE(static_cast<int>(choices.leader));

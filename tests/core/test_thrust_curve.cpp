@@ -59,8 +59,7 @@ TEST_CASE_TEMPLATE(
   CHECK(command_from_thrust(ThrustCurveParams<S>{S(30), S(30), S(1), S(0)}, S(0)) == S(0));
 }
 
-TEST_CASE_TEMPLATE("the faintest thrust there is still has a command that is a number", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("the smallest thrust has a command that is a number", S, float, double) {
   for (int k = 0; k <= 4; ++k) {
     const ThrustCurveParams<S> curve{S(30), S(30), S(k) / S(4), S(0)};
     for (S T = S(1); T > S(0); T = S(0.5) * T) {

@@ -120,7 +120,7 @@ TEST_CASE("r* follows a line of sight that turns, and its derivative is the slop
   }
 }
 
-TEST_CASE_TEMPLATE("no more than the limits is ever asked for, whatever the slot does", S, float,
+TEST_CASE_TEMPLATE("the request never exceeds the limits, whatever the slot does", S, float,
                    double) {
   constexpr std::uint32_t kSeed = 15;
   INFO("seed ", kSeed);
@@ -151,7 +151,7 @@ TEST_CASE_TEMPLATE("no more than the limits is ever asked for, whatever the slot
   CHECK(limited > 100);
 }
 
-TEST_CASE_TEMPLATE("a slot that needs more than the limits is told with what it needs", S, float,
+TEST_CASE_TEMPLATE("a slot that needs more than the limits is reported with its needs", S, float,
                    double) {
   Random random(16);
   int fast = 0, spins = 0, neither = 0;
@@ -169,7 +169,7 @@ TEST_CASE_TEMPLATE("a slot that needs more than the limits is told with what it 
   CHECK(std::min({fast, spins, neither}) > 50);
 }
 
-TEST_CASE_TEMPLATE("a limit of zero is none", S, float, double) {
+TEST_CASE_TEMPLATE("a limit of zero means no limit", S, float, double) {
   ControllerInput<S> in;
   in.separation_n = {S(-1000), S(0)};
   in.nu_L = {S(20), S(0), S(4)};

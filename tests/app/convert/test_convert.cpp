@@ -75,7 +75,7 @@ link::Odometry told(const Truth& t, std::uint8_t frame, std::uint8_t child) {
   return m;
 }
 
-TEST_CASE("rolling and pitching, told in any pose and velocity frame, it is the same boat") {
+TEST_CASE("a rolling, pitching boat is the same boat in any pose and velocity frame") {
   constexpr std::uint32_t kSeed = 71;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -264,7 +264,7 @@ TEST_CASE("FOLLOW_TARGET without position, velocity or a fix, or with absurd num
   }
 }
 
-TEST_CASE("a boat that turns on the spot stands still, though its antenna runs round it") {
+TEST_CASE("a boat that turns on the spot stands still, although its antenna moves in a circle") {
   const double x = 2, y = -1, r = 0.7;
   for (double psi = -3; psi < 3; psi += 0.5) {
     const double north = 5 + std::cos(psi) * x - std::sin(psi) * y;
@@ -337,7 +337,8 @@ constexpr TwoOrigins kTwoOrigins[] = {
      0.00102434},
 };
 
-TEST_CASE("a leader whose origin is 2 km away is seen where geodesics say, within a millimetre") {
+TEST_CASE(
+    "a leader's position from an origin 2 km away agrees with geodesics within a millimetre") {
   for (const TwoOrigins& t : kTwoOrigins) {
     CAPTURE(t.own.latitude);
     const Position own{-20, 30, t.own}, leader{t.north_m, t.east_m, t.leader};
@@ -384,7 +385,7 @@ TEST_CASE("a global position is at the same place as a local one of any origin t
   CHECK_FALSE(reaches({-487'000'000, -1'777'050'000, 0, 0}, *sample.at));
 }
 
-TEST_CASE("any point of the local frame, told in degrees and read again, is that point") {
+TEST_CASE("any local point converted to degrees and back is the same point") {
   constexpr std::uint32_t kSeed = 72;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -405,8 +406,8 @@ TEST_CASE("any point of the local frame, told in degrees and read again, is that
   }
 }
 
-TEST_CASE_TEMPLATE("a point farther than asked has no way to it, and overflows nothing", S, float,
-                   double, core::Q16) {
+TEST_CASE_TEMPLATE("a point beyond the given distance has no offset, and nothing overflows", S,
+                   float, double, core::Q16) {
   core::take_overflow<S>();
   const Position here{10, -20, {600000000, 50000000, 0, 0}};
   const auto [way, near] = way_to<S>(here, {600009000, 50000000}, 3000);  // 100.3 m north

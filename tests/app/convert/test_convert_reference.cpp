@@ -20,8 +20,8 @@ link::FormationReference some_motion() {
   return m;
 }
 
-TEST_CASE_TEMPLATE("a root's motion comes back as it was told, to the last part of each unit", S,
-                   float, double, core::Q16) {
+TEST_CASE_TEMPLATE("a root's motion survives encoding and decoding, to the last bit of each unit",
+                   S, float, double, core::Q16) {
   constexpr std::uint32_t kSeed = 91;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -65,7 +65,7 @@ TEST_CASE("units are those of the message's definition") {
   CHECK(root->motion.r_ddot == doctest::Approx(33 * kLsb_m));
 }
 
-TEST_CASE("a place is told to half a thousandth of a metre") {
+TEST_CASE("a position is encoded to half a thousandth of a metre") {
   for (double north_m = -3; north_m < 3; north_m += 0.0037) {
     RootState<double> root{{north_m, 0, {487'000'000, 22'950'000, 0, 0}}, {}};
     const auto told = reference_of(root);
@@ -74,7 +74,7 @@ TEST_CASE("a place is told to half a thousandth of a metre") {
   }
 }
 
-TEST_CASE("where no vessel can be is no reference") {
+TEST_CASE("a reference at an impossible position is refused") {
   const auto refused = [](auto change) {
     link::FormationReference m = some_motion();
     change(m);
@@ -90,7 +90,7 @@ TEST_CASE("where no vessel can be is no reference") {
   CHECK(refused([](auto& m) { m.heading = INT16_MIN; }) == false);
 }
 
-TEST_CASE_TEMPLATE("a motion beyond the message's numbers is not told, and overflows nothing", S,
+TEST_CASE_TEMPLATE("a motion beyond the message's range is not sent, and nothing overflows", S,
                    float, double, core::Q16) {
   core::take_overflow<S>();
   const auto told = [](core::Nu<S> nu, core::Nu<S> nu_dot) {
@@ -105,8 +105,8 @@ TEST_CASE_TEMPLATE("a motion beyond the message's numbers is not told, and overf
   CHECK_FALSE(core::take_overflow<S>());
 }
 
-TEST_CASE_TEMPLATE("a future is told to two thousandths, however it changes", S, float, double,
-                   core::Q16) {
+TEST_CASE_TEMPLATE("a predicted motion is encoded to two thousandths, however it changes", S, float,
+                   double, core::Q16) {
   core::Future<S> future;
   for (std::size_t k = 0; k < future.u.size(); ++k) {
     const double t = 0.5 * static_cast<double>(k);
@@ -123,7 +123,7 @@ TEST_CASE_TEMPLATE("a future is told to two thousandths, however it changes", S,
   }
 }
 
-TEST_CASE("a future of 20 m/s or 4 rad/s is none, and overflows nothing") {
+TEST_CASE("a predicted motion of 20 m/s or 4 rad/s is refused, and nothing overflows") {
   core::take_overflow<core::Q16>();
   link::FormationFuture m{};
   m.u = 30'000;

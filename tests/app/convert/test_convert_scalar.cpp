@@ -15,7 +15,7 @@ namespace {
 using core::Q16;
 constexpr double kLsb = 1.0 / 65536;
 
-TEST_CASE("a number of the wire becomes the nearest that Q16 has, ties to even, in range") {
+TEST_CASE("a number from the wire becomes the nearest Q16, ties to even, if it is in range") {
   constexpr std::uint32_t kSeed = 1616;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -37,7 +37,7 @@ TEST_CASE("a number of the wire becomes the nearest that Q16 has, ties to even, 
   CHECK_FALSE(core::take_overflow<Q16>());
 }
 
-TEST_CASE("what Q16 has no room for is its nearest end, and raises the overflow") {
+TEST_CASE("a number outside Q16's range saturates and raises the overflow flag") {
   const auto most = std::numeric_limits<std::int32_t>::max();
   for (const double x : {32768.0, 40e3, 1e30, 1e300, HUGE_VAL}) {
     core::take_overflow<Q16>();
@@ -53,7 +53,7 @@ TEST_CASE("what Q16 has no room for is its nearest end, and raises the overflow"
   CHECK_FALSE(core::take_overflow<Q16>());
 }
 
-TEST_CASE("a number goes out as it is, whole numbers are cut towards zero") {
+TEST_CASE("numbers are sent unchanged; whole numbers are truncated towards zero") {
   for (const double x : {-32768.0, -2.75, -kLsb, 0.0, kLsb, 0.5, 32768 - kLsb}) {
     CHECK(number(q16_of(x)) == x);
     CHECK(whole(q16_of(x)) == static_cast<int>(x));
@@ -61,7 +61,7 @@ TEST_CASE("a number goes out as it is, whole numbers are cut towards zero") {
   }
 }
 
-TEST_CASE("times are rounded to 15 us; in Q16 nine hours are as good as ever") {
+TEST_CASE("times are rounded to 15 us; in Q16 they saturate at nine hours without overflow") {
   CHECK(number(seconds<Q16>(10'000)) == doctest::Approx(0.01).epsilon(0.001));
   CHECK(number(seconds<Q16>(-10'000)) == -number(seconds<Q16>(10'000)));
   CHECK(seconds<float>(2'500'000) == 2.5F);
@@ -91,7 +91,7 @@ void check_turned(double got, double expected, double speed, bool exact_heading)
   REQUIRE(std::abs(got - expected) <= (1 + (exact_heading ? 1 : 2) * speed) * kLsb);
 }
 
-TEST_CASE("what a message tells is the same in Q16 as in double, to the last bit that Q16 has") {
+TEST_CASE("a received message has the same values in Q16 as in double, to Q16's last bit") {
   constexpr std::uint32_t kSeed = 1617;
   INFO("seed ", kSeed);
   Exact draw(kSeed);
@@ -117,7 +117,7 @@ TEST_CASE("what a message tells is the same in Q16 as in double, to the last bit
   }
 }
 
-TEST_CASE("what a boat tells of itself is the same in Q16 as in double") {
+TEST_CASE("a boat's own telemetry is the same in Q16 as in double") {
   constexpr std::uint32_t kSeed = 1618;
   INFO("seed ", kSeed);
   Exact draw(kSeed);

@@ -43,7 +43,8 @@ TEST_CASE("the battery has the lower of two voltages and gives both currents") {
   CHECK(none.current_battery == -1);
 }
 
-TEST_CASE("what no battery has is unknown: NaN, infinity, negative volts, a flow into it") {
+TEST_CASE(
+    "impossible battery values are unknown: NaN, infinity, negative volts, a negative current") {
   for (const float volts : {NAN, INFINITY, -INFINITY, -0.1F, 66.0F, 1e38F}) {
     CHECK(battery_of(esc(volts, 1), std::nullopt).voltages[0] == UINT16_MAX);
     CHECK(battery_of(esc(volts, 1), esc(12, 1)).voltages[0] == 12'000);
@@ -67,7 +68,7 @@ TEST_CASE("what no battery has is unknown: NaN, infinity, negative volts, a flow
   }
 }
 
-TEST_CASE("a temperature is told to a hundredth of a degree, or as unknown") {
+TEST_CASE("a temperature is sent to a hundredth of a degree, or as unknown") {
   CHECK(centidegrees_of_kelvin(273.15F) == 0);
   CHECK(centidegrees_of_kelvin(300) == 2685);
   CHECK(centidegrees_of_kelvin(253.15F) == -2000);
@@ -88,7 +89,7 @@ TEST_CASE("a temperature is told to a hundredth of a degree, or as unknown") {
   }
 }
 
-TEST_CASE("a stick is −1 to 1; every other number, 32767 too, is no stick") {
+TEST_CASE("a stick is −1 to 1; any other number, including 32767, is ignored") {
   for (int axis = INT16_MIN; axis <= INT16_MAX; ++axis) {
     const auto stick = stick_of(static_cast<std::int16_t>(axis));
     REQUIRE(stick.has_value() == (axis >= -1000 && axis <= 1000));
@@ -156,7 +157,7 @@ TEST_CASE("bearing, distance and target point from the boat to its slot, whateve
   }
 }
 
-TEST_CASE("a slot farther than the message can say is at its end, not around the corner") {
+TEST_CASE("an offset beyond the message's range saturates; it does not wrap") {
   for (const double far : {65'534.0, 65'536.0, 1e6, 1e12, 1e200}) {
     const Scene s{0, 0, 0, far, 0, 0};
     CHECK(nav_controller_output_of(s.state(), s.error()).wp_dist ==
@@ -189,7 +190,8 @@ TEST_CASE("ODOMETRY is the same state: NED pose, heading as a quaternion, body v
 
 const link::GpsGlobalOrigin kOrigin{487'000'000, 22'950'000, 0, 0};
 
-TEST_CASE_TEMPLATE("the state for followers, read by a follower, is the state", S, float, double) {
+TEST_CASE_TEMPLATE("the state sent to followers and read by a follower is the same state", S, float,
+                   double) {
   const auto state =
       own_state_of<S>({100, -50}, {{S(0.5), S(-0.25)}, S(2.5), {S(1.5), S(-0.2), S(0.3)}, {}});
   const auto heading = heading_of(attitude_of(state, 4000));
@@ -205,7 +207,8 @@ TEST_CASE_TEMPLATE("the state for followers, read by a follower, is the state", 
   CHECK(sample->r_radps == doctest::Approx(0.3));
 }
 
-TEST_CASE_TEMPLATE("the state told globally, read by a follower, is the state", S, float, double) {
+TEST_CASE_TEMPLATE("the state sent globally and read by a follower is the same state", S, float,
+                   double) {
   const auto state = own_state_of<S>({3000, -2000, kOrigin},
                                      {{S(0.5), S(-0.25)}, S(2.5), {S(1.5), S(-0.2), S(0.3)}, {}});
   const auto heading = heading_of(attitude_of(state, 4000));
@@ -244,7 +247,7 @@ TEST_CASE_TEMPLATE("FOLLOW_TARGET's acceleration is that of a boat on a circle",
   CHECK(std::abs(double{m.acc[1]} - (at(h).y - at(-h).y) / (2 * h)) < 1e-4);
 }
 
-TEST_CASE("the true heading is told from 0 to 359.99 degrees") {
+TEST_CASE("the true heading is sent as 0 to 359.99 degrees") {
   const auto told = [&](double psi) {
     return global_position_of(own_state_of<double>({0, 0, kOrigin}, {{}, psi, {}, {}}), 1).hdg;
   };

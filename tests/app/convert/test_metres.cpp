@@ -23,7 +23,7 @@ double drawn(std::mt19937& random, double least, double most) {
   return random() % 2 == 0 ? size : -size;
 }
 
-TEST_CASE("a float of the wire is itself from a centimetre to a thousand kilometres") {
+TEST_CASE("a float from the wire is exact from a centimetre to a thousand kilometres") {
   std::mt19937 random(1);
   for (int i = 0; i < 100'000; ++i) {
     const auto x = static_cast<float>(drawn(random, 0.01, 1e6));
@@ -32,7 +32,7 @@ TEST_CASE("a float of the wire is itself from a centimetre to a thousand kilomet
   }
 }
 
-TEST_CASE("any number is the nearest that there is") {
+TEST_CASE("any number becomes the nearest representable one") {
   std::mt19937 random(2);
   for (int i = 0; i < 100'000; ++i) {
     const double x = drawn(random, 1e-14, 1e9);
@@ -46,7 +46,7 @@ TEST_CASE("any number is the nearest that there is") {
   CHECK(number(Metres(-7)) == -7);
 }
 
-TEST_CASE("beyond the range is its end, and sums of two ends are no other sign's") {
+TEST_CASE("numbers beyond the range saturate; sums of two limits do not change sign") {
   for (const float x : {1.1e9F, 1e30F, HUGE_VALF}) {
     CHECK(number(Metres(x)) == kEnd);
     CHECK(number(Metres(-x)) == -kEnd);

@@ -67,7 +67,7 @@ struct Boat {
   }
 };
 
-TEST_CASE("a weak propeller is told once, with what THR_BALANCE is to be, and since when") {
+TEST_CASE("a weak propeller is reported once, with the right THR_BALANCE and since when") {
   for (const double balance : {0.06, -0.06}) {
     Boat boat({.balance = balance, .wind_n = 1, .gust = 0.2, .noise = 0.01});
     boat.sail(10);
@@ -82,7 +82,7 @@ TEST_CASE("a weak propeller is told once, with what THR_BALANCE is to be, and si
   }
 }
 
-TEST_CASE("drag and yaw damping are told as factors of their parameters") {
+TEST_CASE("wrong drag and yaw damping are reported as factors of their parameters") {
   Boat boat({.drag = 2, .yaw_damping = 0.5, .wind_e = 1, .gust = 0.2, .noise = 0.01});
   boat.sail(10);
   CHECK(double{boat.monitor.told(Number::kDrag).value()} == doctest::Approx(2).epsilon(0.05));
@@ -91,7 +91,7 @@ TEST_CASE("drag and yaw damping are told as factors of their parameters") {
   CHECK_FALSE(boat.monitor.told(Number::kBalance).has_value());
 }
 
-TEST_CASE("of a boat that is as it is told nothing is told, whatever the wind") {
+TEST_CASE("a boat with correct parameters gets no report, whatever the wind") {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Boat boat(
@@ -101,7 +101,7 @@ TEST_CASE("of a boat that is as it is told nothing is told, whatever the wind") 
   }
 }
 
-TEST_CASE("a propeller that becomes weak under way is told then, and again when it worsens") {
+TEST_CASE("a propeller that weakens under way is reported, and again when it gets worse") {
   Boat boat({.noise = 0.01});
   boat.sail(10);
   REQUIRE(boat.findings.empty());
@@ -116,7 +116,7 @@ TEST_CASE("a propeller that becomes weak under way is told then, and again when 
   CHECK(double{boat.findings.back().value} > 0.08);
 }
 
-TEST_CASE("applied: slowly, and no more than is wrong; the parameter stays as it is set") {
+TEST_CASE("a correction is applied slowly and never too far; the parameter stays as set") {
   Boat boat({.balance = 0.06, .wind_n = 1, .gust = 0.2, .noise = 0.01}, 1);
   boat.sail(15);
   CHECK(double{boat.monitor.applied(boat.p).THR_BALANCE} == doctest::Approx(0.06).epsilon(0.2));
@@ -137,7 +137,7 @@ TEST_CASE("drag is applied by LEARN_APPLY 2 alone, within 0.4 to 2.5 of the para
   }
 }
 
-TEST_CASE("another number of the hull: what was learnt of the old one is forgotten") {
+TEST_CASE("a new hull parameter discards the learnt correction of the old one") {
   Boat boat({.balance = 0.06, .noise = 0.01}, 1);
   boat.sail(10);
   REQUIRE(boat.monitor.told(Number::kBalance).has_value());

@@ -51,7 +51,7 @@ link::Odometry odometry(float north_m2, float east_m2) {
   return m;
 }
 
-TEST_CASE("a unit that says nothing of its quality is good, and that it says nothing is known") {
+TEST_CASE("a unit that does not report its quality counts as good, and as not reporting") {
   Unit u;
   CHECK(u.good());
   u.say(link::Attitude{});
@@ -63,7 +63,7 @@ TEST_CASE("a unit that says nothing of its quality is good, and that it says not
   CHECK(u.quality.told());
 }
 
-TEST_CASE("each kind of message can call the estimate poor, and says why") {
+TEST_CASE("every kind of quality message can report a poor estimate, with the reason") {
   struct Case {
     link::Message good, poor;
     std::string_view why;
@@ -111,7 +111,7 @@ TEST_CASE("a limit of 0 is none") {
   }
 }
 
-TEST_CASE("what was poor has to be a fifth better than its limit for a second") {
+TEST_CASE("a poor estimate counts as good after a second at a fifth below its limit") {
   Unit u;
   u.say(gps(3, 300));
   u.say(gps(3, 210));
@@ -125,15 +125,14 @@ TEST_CASE("what was poor has to be a fifth better than its limit for a second") 
   CHECK_FALSE(u.good());
 }
 
-TEST_CASE(
-    "silence after a poor message does not make it good, nor does a good one of another kind") {
+TEST_CASE("an estimate stays poor in silence, and when another kind of message reports good") {
   Unit u;
   u.say(gps(1, 100));
   u.say(ekf(0.1F));
   CHECK_FALSE(u.quality.good(u.now_us + 600'000'000));
 }
 
-TEST_CASE("another unit is judged by what it says itself") {
+TEST_CASE("a new unit is judged only by its own messages") {
   Unit u;
   u.say(gps(1, 100));
   u.say(link::Attitude{}, 3);

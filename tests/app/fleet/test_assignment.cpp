@@ -67,7 +67,7 @@ double nearest_cm(const FleetTable& table, const Now& now, std::size_t i, std::s
   return least;
 }
 
-TEST_CASE("no other choice of places has a smaller sum of squared ways") {
+TEST_CASE("the assignment of slots minimises the sum of squared distances") {
   std::mt19937 generator(7);
   for (int round = 0; round < 200; ++round) {
     const std::size_t count = 2 + static_cast<std::size_t>(round) % 5;
@@ -88,7 +88,7 @@ TEST_CASE("no other choice of places has a smaller sum of squared ways") {
   }
 }
 
-TEST_CASE("on straight ways no two boats come nearer than 1.2 hulls; two, if the leader stays") {
+TEST_CASE("on straight paths no two boats come closer than 1.2 hulls; 2 if the leader stays") {
   std::mt19937 generator(11);
   int led_from_elsewhere = 0;
   for (int round = 0; round < 300; ++round) {
@@ -107,7 +107,7 @@ TEST_CASE("on straight ways no two boats come nearer than 1.2 hulls; two, if the
   CHECK(led_from_elsewhere < 300);
 }
 
-TEST_CASE("each place is given once, also to boats whose place is unknown") {
+TEST_CASE("each slot is assigned once, also to boats at unknown positions") {
   std::mt19937 generator(13);
   for (std::size_t count = 1; count <= FleetTable::kMax; ++count) {
     auto places = drawn(generator, count);
@@ -131,7 +131,7 @@ double seconds(FleetSlot from, FleetSlot to, const FleetOutlook& outlook, bool t
          kMoveRamp_s;
 }
 
-TEST_CASE("the time is that of the longest way at what the boats can do") {
+TEST_CASE("a move takes as long as the longest path at the speed that the boats can reach") {
   constexpr double kMax = 0.97 * 1.5;
   const double abeam = std::sqrt(kMax * kMax - 0.36);
   CHECK(seconds({-400, 0}, {-400, 0}, kUnderWay) == -kMoveRamp_s);
@@ -148,7 +148,7 @@ TEST_CASE("the time is that of the longest way at what the boats can do") {
         doctest::Approx(20 / abeam).epsilon(0.01));
 }
 
-TEST_CASE("ways are relative to the boat that leads, whichever rank it has") {
+TEST_CASE("paths are relative to the boat that leads, whatever its rank") {
   for (const std::size_t root : {0U, 1U}) {
     FleetTable requested = table_of({{0, 0}, {0, 0}});
     requested.members[root].slot_cm = {-400, 0};
@@ -173,7 +173,7 @@ TEST_CASE("a turn of the leader counts if it comes while the boats move") {
   CHECK(seconds({-3000, 500}, {0, 500}, turns_north) == abeam_s);
 }
 
-TEST_CASE("a shape that turns: on the outside of the turn less speed is left for the way") {
+TEST_CASE("in a turning formation, outer boats have less speed left for their paths") {
   FleetOutlook turning = straight(0.6F);
   turning.at[0].turn_radps = 0.03F;
   const double outside_s = seconds({0, -1500}, {1500, -1500}, turning, true);
@@ -204,7 +204,7 @@ TEST_CASE("a leader that sails faster later slows only the rest of the move down
         0);
 }
 
-TEST_CASE("a move has the speed that its rate says, and no steps") {
+TEST_CASE("a move's speed is the derivative of its position and has no steps") {
   for (const FleetPace& pace :
        {FleetPace{0.5}, FleetPace{4}, FleetPace{10}, FleetPace{37.3}, FleetPace{60, 40, 0.4},
         FleetPace{60, 8, 0.9}, FleetPace{20, 19, 0.5}, FleetPace{20, 25, 0.5}}) {

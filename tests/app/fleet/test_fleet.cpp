@@ -13,7 +13,7 @@ using testing::kOperator;
 using testing::table_of_four;
 using testing::under_way;
 
-TEST_CASE("without a table nothing is said and nothing changes") {
+TEST_CASE("without a fleet table nothing is sent and nothing changes") {
   Harbour harbour;
   harbour.sail(10);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -23,7 +23,8 @@ TEST_CASE("without a table nothing is said and nothing changes") {
   }
 }
 
-TEST_CASE("a table that one boat gets is in force on all at one instant, on clocks apart") {
+TEST_CASE(
+    "a table sent to one boat comes into force on all at one instant, despite clock offsets") {
   Harbour harbour;
   harbour.hear(2, message_of(table_of_four(1), 3000), kOperator);
   harbour.sail(2.9);
@@ -37,7 +38,7 @@ TEST_CASE("a table that one boat gets is in force on all at one instant, on cloc
   CHECK(harbour.applied(3).FORM_FRAME == 0);
 }
 
-TEST_CASE("a boat that a new table leaves out gets that table, and does not take over") {
+TEST_CASE("a boat left out of a new table receives that table, and does not take over") {
   Harbour harbour = under_way();
   FleetTable next = table_of_four(2);
   next.members[1] = next.members[3];
@@ -54,7 +55,7 @@ TEST_CASE("a boat that a new table leaves out gets that table, and does not take
   CHECK(harbour.boats[0].state == core::State::kAuto);
 }
 
-TEST_CASE("two boats lead while a table waits: the one of higher rank goes on") {
+TEST_CASE("two boats lead while a table is pending: the higher rank keeps the lead") {
   Harbour harbour = under_way();
   harbour.boats[0].state = core::State::kHold;
   harbour.sail(2);
@@ -83,7 +84,8 @@ TEST_CASE("a boat that was away while the table changed gets it within three sec
   CHECK(harbour.applied(3).FORM_OFS_E == 8);
 }
 
-TEST_CASE("a boat that all hear, but that hears only one of them, gets the newest table too") {
+TEST_CASE(
+    "a boat that all others hear, but that hears only one of them, gets the newest table too") {
   Harbour harbour = under_way();
   harbour.boats[3].on = false;
   harbour.hear(0, message_of(table_of_four(2), 0), kOperator);
@@ -103,7 +105,7 @@ TEST_CASE("a boat that restarts without a table asks for it") {
   CHECK(harbour.leader_of(2) == 2);
 }
 
-TEST_CASE("the leader falls silent: the next one leads within two seconds, all hang on it") {
+TEST_CASE("leader silent: the next boat leads within two seconds, all others follow it") {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(2);
@@ -114,7 +116,7 @@ TEST_CASE("the leader falls silent: the next one leads within two seconds, all h
   CHECK(harbour.applied(3).FORM_OFS_N == -8);
 }
 
-TEST_CASE("after a stop nobody takes over before somebody has led again") {
+TEST_CASE("after a stop no boat takes over until a boat has led again") {
   Harbour harbour = under_way();
   for (Boat& boat : harbour.boats) boat.state = core::State::kHold;
   harbour.sail(2);
@@ -138,7 +140,7 @@ TEST_CASE("another component with a dead leader's system id does not keep it ali
   CHECK(harbour.boats[1].state == core::State::kAuto);
 }
 
-TEST_CASE("a beacon that comes late by a slower link deposes nobody") {
+TEST_CASE("a beacon delayed by a slower link does not depose the leader") {
   for (const std::uint8_t late : {std::uint8_t{99}, std::uint8_t{250}}) {
     for (const std::uint8_t system : {std::uint8_t{1}, std::uint8_t{2}}) {
       CAPTURE(late);
@@ -171,7 +173,7 @@ TEST_CASE("a beacon that comes late by a slower link deposes nobody") {
   }
 }
 
-TEST_CASE("a member that leads by a table which nobody has is believed for ten seconds") {
+TEST_CASE("a member that leads by a table unknown to all others is believed for ten seconds") {
   Harbour harbour = under_way();
   harbour.boats[3].on = false;
   link::FleetBeacon beacon{};
@@ -199,7 +201,7 @@ TEST_CASE("a member that leads by a table which nobody has is believed for ten s
   CHECK(harbour.leader_of(1) == 1);
 }
 
-TEST_CASE("a boat that is to lead follows none of those that are to follow it") {
+TEST_CASE("a boat that a table makes leader follows none of its followers") {
   Harbour harbour = under_way();
   FleetTable next = table_of_four(2);
   std::swap(next.members[0].system, next.members[1].system);
@@ -216,7 +218,7 @@ TEST_CASE("a boat that is to lead follows none of those that are to follow it") 
   CHECK(harbour.leader_of(1) == 0);
 }
 
-TEST_CASE("half of the members go on without the leader: they have no plan, so that they wait") {
+TEST_CASE("half of the fleet continues without the leader: it has no plan, so it waits") {
   Harbour harbour = under_way();
   harbour.boats[0].on = harbour.boats[1].on = false;
   harbour.sail(2);
@@ -224,7 +226,7 @@ TEST_CASE("half of the members go on without the leader: they have no plan, so t
   CHECK(harbour.leader_of(3) == 3);
 }
 
-TEST_CASE("an inner boat in HOLD: its follower hangs on its leader until the next table") {
+TEST_CASE("an inner boat in HOLD: its follower follows the boat's leader until the next table") {
   Harbour harbour = under_way();
   harbour.boats[1].state = core::State::kHold;
   harbour.sail(0.2);
@@ -239,7 +241,7 @@ TEST_CASE("an inner boat in HOLD: its follower hangs on its leader until the nex
   CHECK(harbour.leader_of(2) == 2);
 }
 
-TEST_CASE("an inner boat that died before a table came keeps nobody, until it is back") {
+TEST_CASE("an inner boat that failed before a table came has no followers until it is back") {
   Harbour harbour = under_way();
   harbour.boats[1].on = false;
   harbour.sail(3);
@@ -260,7 +262,7 @@ void part_first_two(Harbour& harbour) {
   harbour.boats[1].deaf_to = 1;
 }
 
-TEST_CASE("a boat that does not hear the leader, but others that do, follows one of them") {
+TEST_CASE("a boat that hears others, but not the leader, follows one that does") {
   Harbour harbour = under_way();
   part_first_two(harbour);
   harbour.boats[0].place.item = 5;
@@ -300,7 +302,7 @@ TEST_CASE("two boats that lead and do not hear each other: one yields within two
   CHECK(harbour.leader_of(3) == 1);
 }
 
-TEST_CASE("a boat that does not hear its own leader, now the fleet's, follows one that does") {
+TEST_CASE("a boat that does not hear its own leader, now the fleet's, follows a boat that does") {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(3);
@@ -312,7 +314,7 @@ TEST_CASE("a boat that does not hear its own leader, now the fleet's, follows on
 }
 
 TEST_CASE(
-    "a leader does not yield to one that it cannot follow: no boat that follows it is heard") {
+    "a leader does not yield to one that it can follow neither directly nor by another boat") {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(3);
@@ -327,7 +329,7 @@ TEST_CASE(
   CHECK(harbour.boats[1].state == core::State::kAuto);
 }
 
-TEST_CASE("a longer hull reaches farther, by half of the difference") {
+TEST_CASE("a longer hull needs more room, by half of the difference") {
   FleetTable mixed = table_of_four(1);
   mixed.members[0].length_dm = 49;
   mixed.members[2].length_dm = 0;
@@ -341,7 +343,7 @@ TEST_CASE("a longer hull reaches farther, by half of the difference") {
   CHECK_FALSE(harbour.boats[1].fleet.reach_m(9));
 }
 
-TEST_CASE("an operator's own leader or slot is above the table until the next one") {
+TEST_CASE("an operator's leader or slot overrides the table until the next table") {
   Harbour harbour = under_way();
   harbour.boats[2].own.east_m = 9;
   harbour.sail(5);
@@ -410,7 +412,7 @@ TEST_CASE(
   CHECK(harbour.boats[0].fleet.take_epoch() == 1);
 }
 
-TEST_CASE("in peace eight boats' beacons take 5 % of 57,600 Bd at the most, even signed") {
+TEST_CASE("without events, beacons of eight boats take at most 5 % of 57,600 Bd, even signed") {
   Harbour harbour;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
   harbour.sail(10);

@@ -16,7 +16,7 @@ using testing::kOperator;
 using testing::table_of_four;
 using testing::under_way;
 
-TEST_CASE("a new shape moves all places together, at the speed that the law is told") {
+TEST_CASE("a new shape moves all slots together, at the speed that the law receives") {
   Harbour harbour = under_way();
   FleetTable next = table_of_four(2);
   next.move_ds = 100;
@@ -39,7 +39,7 @@ TEST_CASE("a new shape moves all places together, at the speed that the law is t
   CHECK(harbour.boats[3].fleet.slot_motion().mps[1] == 0);
 }
 
-TEST_CASE("a request to give the places: who hears it does, and all agree") {
+TEST_CASE("a request to assign slots: the boat that hears it does so, and all agree") {
   Harbour harbour = under_way();
   FleetTable wish = table_of_four(2);
   wish.assigns = true;
@@ -62,7 +62,7 @@ TEST_CASE("a request to give the places: who hears it does, and all agree") {
 }
 
 TEST_CASE(
-    "boats that hear the same request leave it to the leader; if it has not heard it they do") {
+    "boats leave a request that all heard to the leader; if it did not hear it, they act on it") {
   Harbour harbour = under_way();
   FleetTable wish = table_of_four(2);
   wish.assigns = true;
@@ -100,7 +100,7 @@ TEST_CASE("a boat without a table leaves a request to those that have one") {
   CHECK(harbour.leader_of(4) == 1);
 }
 
-TEST_CASE("assigned places too near for the hulls are refused, as in any table") {
+TEST_CASE("assigned slots that are too close for the hulls are refused, as in any table") {
   Harbour harbour = under_way();
   FleetTable wish = table_of_four(2);
   wish.assigns = true;
@@ -138,7 +138,7 @@ TEST_CASE("a boat that gets a table late is in step with the others") {
   }
 }
 
-TEST_CASE("a shape that changes again under way: places and speeds go on without a step") {
+TEST_CASE("a shape that changes again under way: slots and speeds continue without a step") {
   for (const double after_s : {1.5, 3.0, 7.0, 11.9, 14.0}) {
     CAPTURE(after_s);
     Harbour harbour = under_way();

@@ -24,7 +24,7 @@ void tablet_leads(Harbour& harbour) {
   harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
 }
 
-TEST_CASE("whoever takes over from a leader that sails no plan waits: it starts none") {
+TEST_CASE("a boat that takes over from a leader without a plan waits and starts none") {
   for (const State state : {State::kGuided, State::kLoiter, State::kReturn}) {
     CAPTURE(static_cast<int>(state));
     Harbour harbour = under_way();
@@ -37,7 +37,7 @@ TEST_CASE("whoever takes over from a leader that sails no plan waits: it starts 
   }
 }
 
-TEST_CASE("whoever takes over from a leader that paused its plan waits") {
+TEST_CASE("a boat that takes over from a leader with a paused plan waits") {
   Harbour harbour = under_way();
   harbour.boats[0].place = {0, 3};
   harbour.sail(0.5);
@@ -46,7 +46,7 @@ TEST_CASE("whoever takes over from a leader that paused its plan waits") {
   CHECK(harbour.boats[1].state == State::kLoiter);
 }
 
-TEST_CASE("a plan that the fleet once sailed is not taken up after a root without a plan") {
+TEST_CASE("an earlier plan of the fleet is not resumed after a root without a plan") {
   Harbour harbour = under_way();
   harbour.boats[0].state = State::kHold;
   tablet_leads(harbour);
@@ -59,7 +59,7 @@ TEST_CASE("a plan that the fleet once sailed is not taken up after a root withou
   CHECK(harbour.boats[1].state == State::kLoiter);
 }
 
-TEST_CASE("a camera does not keep a tablet alive that leads") {
+TEST_CASE("a camera with a leading tablet's system id does not keep the tablet alive") {
   Harbour harbour = under_way();
   tablet_leads(harbour);
   for (int tenth = 0; tenth < 70; ++tenth) {
@@ -87,7 +87,7 @@ TEST_CASE("a boat does not yield to a root without beacons that was never heard"
   }
 }
 
-TEST_CASE("another slot for the boat that leads does not end its lead") {
+TEST_CASE("a new slot for the leading boat does not end its lead") {
   Harbour harbour = under_way();
   harbour.boats[0].own.north_m = 9;
   harbour.sail(5);
@@ -110,7 +110,7 @@ Harbour yielding() {
   return harbour;
 }
 
-TEST_CASE("a boat that yields, but cannot follow yet, keeps the mode that its operator gives it") {
+TEST_CASE("a boat that yields, but cannot follow yet, keeps the mode set by its operator") {
   for (const State state : {State::kReturn, State::kLoiter, State::kGuided}) {
     CAPTURE(static_cast<int>(state));
     Harbour harbour = yielding();
@@ -156,7 +156,7 @@ TEST_CASE("a root that was no member before is replaced only if it stays silent"
   }
 }
 
-TEST_CASE("a leader that a pilot steers still leads: nobody else sails off on the plan") {
+TEST_CASE("a leader steered by a pilot still leads: no other boat starts the plan") {
   Harbour harbour = under_way();
   harbour.boats[0].state = State::kManual;
   for (int tick = 0; tick < 1000; ++tick) {
@@ -175,7 +175,7 @@ TEST_CASE("a leader that a pilot steers still leads: nobody else sails off on th
   CHECK(harbour.boats[1].state == State::kLoiter);
 }
 
-TEST_CASE("the rule takes no boat from a pilot: a leader in MANUAL yields the lead alone") {
+TEST_CASE("takeover never moves a piloted boat: a leader in MANUAL yields only the lead") {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(3);
@@ -190,7 +190,7 @@ TEST_CASE("the rule takes no boat from a pilot: a leader in MANUAL yields the le
   CHECK(harbour.leader_of(3) == 1);
 }
 
-TEST_CASE("a follower in MANUAL takes nothing over") {
+TEST_CASE("a follower in MANUAL does not take over") {
   Harbour harbour = under_way();
   harbour.boats[1].state = State::kManual;
   harbour.boats[0].on = false;
@@ -199,7 +199,7 @@ TEST_CASE("a follower in MANUAL takes nothing over") {
   CHECK(harbour.boats[2].state != State::kFormation);
 }
 
-TEST_CASE("a leader that its operator lets follow somebody else does not take over again") {
+TEST_CASE("a leader that its operator makes a follower does not take over again") {
   Harbour harbour = under_way();
   harbour.boats[0].state = State::kFormation;
   harbour.sail(5);
@@ -208,7 +208,7 @@ TEST_CASE("a leader that its operator lets follow somebody else does not take ov
   CHECK(harbour.leader_of(1) == 1);
 }
 
-TEST_CASE("a boat that was left out of a table takes nothing over when it comes back") {
+TEST_CASE("a boat that was left out of a table does not take over when it comes back") {
   Harbour harbour = under_way();
   FleetTable two = table_of_four(2);
   two.count = 2;

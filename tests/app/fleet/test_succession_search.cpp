@@ -423,7 +423,7 @@ TEST_CASE("no history of failures and of the radio makes two leaders, or loses a
   check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .first = 2, .states = 3'000'000});
 }
 
-TEST_CASE("a search finds planted mistakes") {
+TEST_CASE("the search finds deliberate mistakes") {
   for (const Bug bug :
        {Bug::kNeverYields, Bug::kTakesOldTables, Bug::kLeaderIgnoresStop, Bug::kNeverSilent}) {
     CAPTURE(static_cast<int>(bug));

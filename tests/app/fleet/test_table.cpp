@@ -12,7 +12,7 @@ namespace {
 
 using testing::table_of_four;
 
-TEST_CASE("a table is the same after the wire") {
+TEST_CASE("a table survives encoding and decoding") {
   FleetTable table = table_of_four(7);
   table.turns = true;
   table.members[2].slot_cm = {-32'768, 32'767};
@@ -30,7 +30,7 @@ TEST_CASE("a table is the same after the wire") {
   CHECK(back.members[3].length_dm == 13);
 }
 
-TEST_CASE("digests tell tables apart, whatever their epochs") {
+TEST_CASE("tables that differ have different digests, whatever their epochs") {
   CHECK(table_of_four(1).digest == table_of_four(2).digest);
   FleetTable other = table_of_four(1);
   other.members[3].slot_cm[0] = -1201;
@@ -45,7 +45,7 @@ TEST_CASE("the digest is of what a boat passes on: unknown flags and bytes after
   CHECK(table_of(message).digest == table_of_four(1).digest);
 }
 
-TEST_CASE("a table that makes no fleet is refused, with the boat's name") {
+TEST_CASE("an invalid table is refused, with the name of the boat at fault") {
   CHECK(verdict_of(table_of_four(1)).fault == TableFault::kNone);
   CHECK(verdict_of(table_of_four(0)).fault == TableFault::kEmpty);
   CHECK(verdict_of(FleetTable{.epoch = 1}).fault == TableFault::kEmpty);
@@ -121,7 +121,7 @@ TEST_CASE("of two tables with one epoch all boats choose the same") {
   CHECK(first.newest().digest == second.newest().digest);
 }
 
-TEST_CASE("a stop waits for nothing") {
+TEST_CASE("a stop acts at once") {
   FleetLedger ledger;
   CHECK(ledger.take(table_of_four(1), 0, 0));
   ledger.forward(0);

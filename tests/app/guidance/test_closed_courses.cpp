@@ -51,7 +51,7 @@ struct Fenced {
 
 const std::vector<std::array<int, 2>> kSquare{{-50, -50}, {-50, 50}, {50, 50}, {50, -50}};
 
-TEST_CASE("amid its fence, or without one, no course is closed to a boat") {
+TEST_CASE("well inside its fence, or without one, no course is closed to a boat") {
   Fenced boat(mav::kFenceInclusion, kSquare);
   CHECK(boat.closed(0, 0) == 0);
   CHECK(boat.closed(39, 0) == 0);

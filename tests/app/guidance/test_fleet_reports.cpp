@@ -57,7 +57,7 @@ TEST_CASE("a follower that falls out of its slot is waited for until it is back"
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("nobody is waited for longer than that, and then for as long as it was back") {
+TEST_CASE("a follower is not waited for longer than WP_WAIT_S, then only as long as it was back") {
   Fleet fleet;
   fleet.run(1);
   fleet.in_slot(1);
@@ -87,14 +87,14 @@ TEST_CASE("nobody is waited for longer than that, and then for as long as it was
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("nobody waits for a boat that never was in its slot") {
+TEST_CASE("the leader does not wait for a boat that was never in its slot") {
   Fleet fleet;
   fleet.run(1);
   fleet.in_slot(0);
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("nobody waits for a boat that is silent, has left, or follows another") {
+TEST_CASE("the leader does not wait for a boat that is silent, has left, or follows another") {
   Fleet fleet;
   fleet.run(1);
   fleet.in_slot(1);
@@ -114,7 +114,7 @@ TEST_CASE("nobody waits for a boat that is silent, has left, or follows another"
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("WP_WAIT_S 0: nobody is waited for") {
+TEST_CASE("WP_WAIT_S 0: the leader does not wait") {
   Fleet fleet;
   fleet.reports.configure(kOwn, 100, 0);
   fleet.run(1);
@@ -123,7 +123,7 @@ TEST_CASE("WP_WAIT_S 0: nobody is waited for") {
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("three of the leader's own armed heartbeats in a row tell that it returns") {
+TEST_CASE("three armed heartbeats in a row from the leader announce its return") {
   Fleet fleet;
   link::Heartbeat beat{};
   beat.custom_mode = 11;

@@ -67,7 +67,7 @@ TEST_CASE("a moving slot has course, speed and yaw rate of its path, also agains
   }
 }
 
-TEST_CASE("a slot that stands still over ground turns nobody on the spot") {
+TEST_CASE("a slot at rest over ground makes no boat turn on the spot") {
   Path path;
   path.w = path.w_soon = core::to_north_east(1.0, core::Vec2<double>{-kU + 0.001, 0.0});
   const Lead<double> lead = path.lead();

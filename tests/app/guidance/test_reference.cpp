@@ -156,8 +156,8 @@ struct Line {
   }
 };
 
-TEST_CASE_TEMPLATE("through a line of boats with clocks hours apart the root stays where it is", S,
-                   float, double, core::Q16) {
+TEST_CASE_TEMPLATE("a reference relayed by boats with clocks hours apart keeps the root's position",
+                   S, float, double, core::Q16) {
   Line<S> line(8);
   line.run(0, 12 * kSecond_us);
   for (std::size_t i = 0; i < line.boats.size(); ++i) {
@@ -185,7 +185,7 @@ TEST_CASE("each hop adds its own share to the age, and no more than a tick of wa
   }
 }
 
-TEST_CASE("switched off a boat neither follows a reference nor tells one") {
+TEST_CASE("switched off, a boat neither follows a reference nor sends one") {
   Line<double> line(3);
   auto p = parameters(2, 1);
   p.LAW_REF = 0;
@@ -196,7 +196,7 @@ TEST_CASE("switched off a boat neither follows a reference nor tells one") {
   CHECK(line.boats[0].aim(6 * kSecond_us));
 }
 
-TEST_CASE("a root that is not heard any more is carried on for four seconds, told for three") {
+TEST_CASE("a silent root is extrapolated for four seconds and sent for three") {
   Line<double> line(1);
   line.run(0, 6 * kSecond_us);  // the last message is of 5.9 s
   line.root_speaks = false;
@@ -276,7 +276,7 @@ struct Foreseeing : Follower {
   }
 };
 
-TEST_CASE("an old reference is followed along the future that its root told") {
+TEST_CASE("an old reference is followed along the root's predicted motion") {
   Foreseeing f(4'000'000);
   const auto aim = f.aim(7'000'000);  // the reference is 5.1 s old
   REQUIRE(aim);
@@ -287,13 +287,13 @@ TEST_CASE("an old reference is followed along the future that its root told") {
   CHECK_FALSE(f.aim(11'000'000));  // older than 9 s
 }
 
-TEST_CASE("without a future a reference of that age is not followed") {
+TEST_CASE("without a predicted motion, a reference of that age is not followed") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   CHECK_FALSE(f.boat.aim(7'000'000));
 }
 
-TEST_CASE("a future that the reference contradicts is dropped") {
+TEST_CASE("a predicted motion that contradicts the reference is dropped") {
   Foreseeing f(2'000'000);  // the future is straight from now on
   REQUIRE(f.aim(2'400'000));
   CHECK(f.boat.reference.future_message(2'400'000));
@@ -303,7 +303,7 @@ TEST_CASE("a future that the reference contradicts is dropped") {
   CHECK(off_m(f.boat, 3'000'000) < 0.01);
 }
 
-TEST_CASE("a future is handed on as it was told, with its age, and no other branch's is taken") {
+TEST_CASE("a prediction is relayed unchanged, with its age; those of other branches are ignored") {
   Foreseeing f(4'000'000);
   f.aim(2'500'000);
   const auto told = f.boat.reference.future_message(2'500'000);
@@ -324,7 +324,7 @@ TEST_CASE("a future is handed on as it was told, with its age, and no other bran
   CHECK(f.boat.counters.mavlink_bad_value == 1);
 }
 
-TEST_CASE("what was heard before, or is older, changes nothing") {
+TEST_CASE("a repeated or older reference changes nothing") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   const std::uint32_t news = f.news();
@@ -337,8 +337,7 @@ TEST_CASE("what was heard before, or is older, changes nothing") {
   CHECK(off_m(f.boat, 2 * kSecond_us) < 0.01);
 }
 
-TEST_CASE(
-    "a leader's changed slot stays, though copies of earlier messages come by a slower link") {
+TEST_CASE("a leader's new slot stays although late copies of earlier messages arrive") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   for (std::int64_t us = 2 * kSecond_us; us < 3 * kSecond_us; us += 100'000) {
@@ -351,7 +350,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("of a hundred references a second a fifth is taken, and the root is known as well") {
+TEST_CASE("of 100 references a second a fifth is used, and the root is known as precisely") {
   Follower f;
   for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += kTick_us) {
     f.hear(Follower::reference(us, ++f.sequence), us);
@@ -360,14 +359,14 @@ TEST_CASE("of a hundred references a second a fifth is taken, and the root is kn
   CHECK(off_m(f.boat, 2 * kSecond_us) < 0.01);
 }
 
-TEST_CASE("a sequence that begins anew after 65536 goes on") {
+TEST_CASE("a sequence number that wraps after 65536 continues") {
   Follower f;
   f.sequence = 65'530;
   f.hear_until(kSecond_us, 3 * kSecond_us);
   CHECK(f.news() == 20);
 }
 
-TEST_CASE("a maker that was started anew is followed again when its first second is over") {
+TEST_CASE("a restarted maker of references is followed again after its first second") {
   Follower f;
   f.sequence = 5000;
   f.hear_until(kSecond_us, 3 * kSecond_us);
@@ -377,7 +376,7 @@ TEST_CASE("a maker that was started anew is followed again when its first second
   CHECK(off_m(f.boat, 6 * kSecond_us) < 0.01);
 }
 
-TEST_CASE("any boat of the branch may tell the newest, none of another branch") {
+TEST_CASE("any boat of the branch may send the newest reference, none of another branch") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   const std::uint32_t news = f.news();
@@ -392,7 +391,7 @@ TEST_CASE("any boat of the branch may tell the newest, none of another branch") 
   CHECK(f.news() == news + 1);
 }
 
-TEST_CASE("another boat's word on its own slot and path counts for nothing") {
+TEST_CASE("another boat's claim about its own slot and path is ignored") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   auto sibling = Follower::reference(2'050'000, ++f.sequence);
@@ -403,7 +402,7 @@ TEST_CASE("another boat's word on its own slot and path counts for nothing") {
   CHECK_FALSE(f.boat.reference.place().is_cycle(2'100'000));
 }
 
-TEST_CASE("what is too old when it comes is refused, and so is a root where none can be") {
+TEST_CASE("a reference that arrives too old is refused, as is one at an impossible position") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   const std::uint32_t news = f.news();
@@ -418,7 +417,7 @@ TEST_CASE("what is too old when it comes is refused, and so is a root where none
   CHECK(f.news() == news);
 }
 
-TEST_CASE("a root that jumps is not followed until it has been there for a second") {
+TEST_CASE("a root that jumps is followed only after it has stayed there for a second") {
   for (const std::uint8_t liar : {std::uint8_t{1}, std::uint8_t{9}}) {
     Follower f;
     f.hear_until(kSecond_us, 3 * kSecond_us);
@@ -455,7 +454,7 @@ TEST_CASE("a root that jumps when another boat makes its reference is not follow
   CHECK_FALSE(f.boat.aim(3 * kSecond_us));
 }
 
-TEST_CASE("what is refused is not handed on") {
+TEST_CASE("a refused reference is not relayed") {
   Follower f;
   f.hear_until(kSecond_us, 3 * kSecond_us);
   auto jump = Follower::reference(3 * kSecond_us, ++f.sequence);
@@ -465,7 +464,7 @@ TEST_CASE("what is refused is not handed on") {
   CHECK(f.boat.tell(3 * kSecond_us)->north == good);
 }
 
-TEST_CASE("a root whose plane begins elsewhere is not followed at once either") {
+TEST_CASE("a root with another origin is not followed at once either") {
   Follower f;
   f.hear_until(kSecond_us, 3 * kSecond_us);
   const std::uint32_t news = f.news();
@@ -488,14 +487,14 @@ TEST_CASE("a root that is further than FORM_DIST_MAX beyond our slot is not foll
   }
 }
 
-TEST_CASE("without knowing where it is itself a boat follows no reference of others") {
+TEST_CASE("without its own position a boat follows no other boat's reference") {
   Follower f;
   f.boat.reference.take({{1, 1}, Follower::reference(kSecond_us, 1)}, nullptr, kSecond_us,
                         f.boat.counters);
   CHECK_FALSE(f.boat.aim(kSecond_us));
 }
 
-TEST_CASE("a leader that leaves its slot is followed itself, by a reference of our own making") {
+TEST_CASE("a leader out of its slot is followed directly, by a reference made on board") {
   Follower f;
   const auto track_leader = [&](std::int64_t us) {
     f.boat.leader.take({{1, 1}, kOrigin}, us, f.boat.counters);
@@ -516,7 +515,7 @@ TEST_CASE("a leader that leaves its slot is followed itself, by a reference of o
   CHECK(f.boat.tell(3 * kSecond_us)->path[1] == kRoot);
 }
 
-TEST_CASE("a reference of unknown age is handed on as such, and nobody steers by it") {
+TEST_CASE("a reference of unknown age is relayed as such, and is not steered by") {
   Follower f;
   Parameters unknown = parameters(2, 1);
   unknown.FORM_LAG_S = -1;
@@ -534,7 +533,7 @@ TEST_CASE("a reference of unknown age is handed on as such, and nobody steers by
   CHECK_FALSE(f.boat.aim(2'300'000));
 }
 
-TEST_CASE("a reference is as old as its clock's worst error makes it") {
+TEST_CASE("the age of a reference includes its clock's greatest error") {
   Follower f;
   for (std::int64_t us = kSecond_us; us < 6 * kSecond_us; us += 100'000) {
     f.boat.reference.answered({1, 1}, us - 1000, us + 4'200'000, us);  // asked long ago, perhaps
@@ -544,7 +543,7 @@ TEST_CASE("a reference is as old as its clock's worst error makes it") {
   CHECK(f.refused() > 0);
 }
 
-TEST_CASE("whoever listens to another leader forgets the reference of the one before") {
+TEST_CASE("a boat that changes its leader discards the old leader's reference") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   CHECK(f.boat.aim(2 * kSecond_us));
@@ -553,7 +552,7 @@ TEST_CASE("whoever listens to another leader forgets the reference of the one be
   CHECK_FALSE(f.boat.tell(2 * kSecond_us));
 }
 
-TEST_CASE("the age is told to the millisecond, of the whole millisecond that the stamp names") {
+TEST_CASE("the age is sent in milliseconds, relative to the whole millisecond of the stamp") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   const auto said = f.boat.tell(2'345'678);

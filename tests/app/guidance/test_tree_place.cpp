@@ -36,7 +36,7 @@ TreePlace place(bool turns = false) {
   return place;
 }
 
-TEST_CASE("a boat whose leader tells nothing stands right behind the root") {
+TEST_CASE("a boat whose leader sends no place counts as directly behind the root") {
   const TreePlace p = place();
   CHECK_FALSE(p.branch(0));
   CHECK(p.offset(0)->n == convert::WireOffset{-1024, 2048});
@@ -45,7 +45,7 @@ TEST_CASE("a boat whose leader tells nothing stands right behind the root") {
   CHECK_FALSE(p.is_cycle(0));
 }
 
-TEST_CASE("behind a leader that tells its place, slots and paths add up") {
+TEST_CASE("behind a leader that sends its place, slots and paths add up") {
   TreePlace p = place();
   p.hear(word(), 0, 0);
   CHECK(p.branch(0) == Branch{kRoot, kMaker});
@@ -80,7 +80,7 @@ TEST_CASE("a slot that turns with a leader whose own slot turns is not one of th
   CHECK(p.depth(0) == 3);                                     // the tree is the same
 }
 
-TEST_CASE("a leader that does not sail in its slot is followed itself") {
+TEST_CASE("a leader out of its slot is followed directly") {
   TreePlace p = place();
   auto m = word();
   m.flags = 0;
@@ -90,7 +90,7 @@ TEST_CASE("a leader that does not sail in its slot is followed itself") {
   CHECK(p.path(0) == path_of({kLeader, kMaker, kRoot}));
 }
 
-TEST_CASE("a leader's word counts for three seconds, and that of another leader for nothing") {
+TEST_CASE("a leader's place is valid for three seconds, that of another leader never") {
   TreePlace p = place();
   p.hear(word(), 0, 0);
   CHECK(p.branch(3 * kSecond_us - 1));
@@ -102,7 +102,7 @@ TEST_CASE("a leader's word counts for three seconds, and that of another leader 
   CHECK(p.path(0) == path_of({7}));
 }
 
-TEST_CASE("a cycle of any length is found by every boat of it, and no path grows in it") {
+TEST_CASE("every boat in a cycle of any length detects it, and no path grows in it") {
   for (std::size_t boats = 2; boats <= 20; ++boats) {
     std::vector<TreePlace> ring(boats);
     const auto id = [&](std::size_t i) { return static_cast<std::uint8_t>(i % boats + 1); };
@@ -125,7 +125,7 @@ TEST_CASE("a cycle of any length is found by every boat of it, and no path grows
   }
 }
 
-TEST_CASE("a new leader's messages of the first second make no cycle: they may be older") {
+TEST_CASE("messages in a new leader's first second, perhaps outdated, make no cycle") {
   TreePlace p = place();
   const auto behind_us = word({kMaker, kOwn});
   p.hear(behind_us, 0, 5 * kSecond_us);
@@ -138,7 +138,7 @@ TEST_CASE("a new leader's messages of the first second make no cycle: they may b
   CHECK_FALSE(p.is_cycle(6 * kSecond_us + 1));
 }
 
-TEST_CASE("no branch is that which the boat has made itself") {
+TEST_CASE("a branch whose reference the boat made itself is not used") {
   TreePlace p = place();
   auto m = word();
   m.maker = kOwn;
@@ -146,7 +146,7 @@ TEST_CASE("no branch is that which the boat has made itself") {
   CHECK_FALSE(p.branch(0));
 }
 
-TEST_CASE("a path that is full is too deep to be gone on with") {
+TEST_CASE("a full path is too deep to be extended") {
   TreePlace p = place();
   auto m = word();
   for (std::size_t i = 0; i < m.path.size(); ++i) m.path[i] = static_cast<std::uint8_t>(10 + i);
@@ -159,7 +159,7 @@ TEST_CASE("a path that is full is too deep to be gone on with") {
   CHECK(length_of(p.path(0)) == TreePath{}.size() - 1);
 }
 
-TEST_CASE("a leader that tells what is too old is left, and comes back after steady seconds only") {
+TEST_CASE("a leader with outdated data is dropped, and used again only after some good seconds") {
   TreePlace p = place();
   const auto hear = [&](std::int64_t now_us, std::int64_t age_us) {
     p.hear(word(), now_us - age_us, now_us);

@@ -46,7 +46,7 @@ struct Radio {
   }
 };
 
-TEST_CASE("before the first message nothing is known, nor after a reset") {
+TEST_CASE("the clock offset is unknown before the first message and after a reset") {
   ClockOffset clock;
   CHECK_FALSE(clock.offset_us());
   clock.answered(1, 2, 3);
@@ -57,7 +57,7 @@ TEST_CASE("before the first message nothing is known, nor after a reset") {
   CHECK_FALSE(clock.offset_us());
 }
 
-TEST_CASE("without TIMESYNC a clock hours away is known up to the quickest way of a message") {
+TEST_CASE("without TIMESYNC, an offset of hours is known up to the shortest transit time") {
   for (const std::int64_t offset : {-5 * kHour_us, std::int64_t{0}, 7 * kHour_us}) {
     Radio radio{offset, 0, 20'000, 50'000.0};
     ClockOffset clock;
@@ -67,9 +67,7 @@ TEST_CASE("without TIMESYNC a clock hours away is known up to the quickest way o
   }
 }
 
-TEST_CASE(
-    "with TIMESYNC over a radio as quick there as back the offset is exact but for the drift "
-    "allowed") {
+TEST_CASE("TIMESYNC over a symmetric radio gives the exact offset, apart from the allowed drift") {
   Radio radio{3 * kHour_us, 0, 80'000, 0.0};
   ClockOffset clock;
   radio.talk(clock, 0, 3'000'000, true);
@@ -108,7 +106,7 @@ TEST_CASE("an answer bounds the offset however long it took, if it is of the sta
   }
 }
 
-TEST_CASE("answers that contradict the stamps leave no lower bound, until some agree again") {
+TEST_CASE("answers that contradict the stamps remove the lower bound until answers agree again") {
   for (const std::int64_t apart_us : {-1'700'000'000'000'000L, -50'000'000L, 500'000L, kHour_us}) {
     Radio radio{0, 0, 10'000, 0.0};
     ClockOffset clock;
@@ -228,7 +226,7 @@ TEST_CASE("a clock that is set back and ahead again is known after 32 answers") 
   CHECK(late.clock.was_answered());
 }
 
-TEST_CASE("messages that become quick need no new answer to be known as well as before") {
+TEST_CASE("messages that get faster are known as precisely as before, without a new answer") {
   Late late{1'900'000, 100'000};
   late.talk(5);
   late.to_us = 100'000;

@@ -10,7 +10,7 @@ using Verdict = Headings<double>::Verdict;
 
 convert::HeadingSample<double> at(std::int64_t stamp_us) { return {stamp_us, 0.5, 0}; }
 
-TEST_CASE("the component in use and one other have a heading, which the other brings along") {
+TEST_CASE("headings are kept of the component in use and of one other, which is kept on a switch") {
   Headings<double> headings;
   CHECK(headings.of(1, true) == nullptr);
   CHECK(headings.take(at(100'000), 1, true, false, 100'000) == Verdict::kTaken);
@@ -26,7 +26,7 @@ TEST_CASE("the component in use and one other have a heading, which the other br
   CHECK(headings.of(2, false) == nullptr);
 }
 
-TEST_CASE("an old heading is late, except of a silent vessel, and one far ahead is not taken") {
+TEST_CASE("an old heading is late unless its vessel is silent; one far ahead is rejected") {
   Headings<double> headings;
   headings.take(at(100'000), 1, true, false, 100'000);
   CHECK(headings.take(at(100'000), 1, true, false, 200'000) == Verdict::kLate);
@@ -36,7 +36,7 @@ TEST_CASE("an old heading is late, except of a silent vessel, and one far ahead 
   CHECK(headings.take(at(9'000'000), 1, true, false, 600'000) == Verdict::kTaken);
 }
 
-TEST_CASE("a heading goes on when the clock of 32 bits begins again") {
+TEST_CASE("headings continue when the 32-bit clock wraps") {
   constexpr std::int64_t kTurn_us = (std::int64_t{1} << 32) * 1000;
   Headings<double> headings;
   headings.take(at(kTurn_us - 50'000), 1, true, false, 100'000);

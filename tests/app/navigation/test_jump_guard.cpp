@@ -42,8 +42,9 @@ struct Watch {
   bool steady() const { return track.steady(now_us); }
 };
 
-TEST_CASE_TEMPLATE("a jump moves nothing, is counted, and unsteady for a second after it", S, float,
-                   double) {
+TEST_CASE_TEMPLATE(
+    "a jump does not move the vessel, is counted, and makes it unsteady for a second", S, float,
+    double) {
   Watch<S> w;
   w.sail(2);
   CHECK(w.steady());
@@ -60,7 +61,8 @@ TEST_CASE_TEMPLATE("a jump moves nothing, is counted, and unsteady for a second 
   CHECK(w.counters.mavlink_jump == 1);
 }
 
-TEST_CASE_TEMPLATE("a place that is told for a second, five times, is believed", S, float, double) {
+TEST_CASE_TEMPLATE("a new position is accepted after a second and five messages", S, float,
+                   double) {
   Watch<S> w;
   w.sail(2);
   w.sail(1, 50);
@@ -85,8 +87,7 @@ TEST_CASE_TEMPLATE("a place that is told for a second, five times, is believed",
   CHECK(rare.east_m() == 50);
 }
 
-TEST_CASE_TEMPLATE("places that do not agree with each other are never believed", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("positions that contradict each other are never accepted", S, float, double) {
   Watch<S> w;
   w.sail(2);
   for (int k = 0; k < 100; ++k) w.sail(0.1, k % 2 == 0 ? 300 : -300);
@@ -94,8 +95,9 @@ TEST_CASE_TEMPLATE("places that do not agree with each other are never believed"
   CHECK_FALSE(w.steady());
 }
 
-TEST_CASE_TEMPLATE("of two vessels with one system id the first is followed, whatever their clocks",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "of two vessels with one system id, the first is followed, whatever their clocks", S, float,
+    double) {
   for (const std::int64_t clock_us :
        {std::int64_t{40'000}, std::int64_t{90'000'000}, -std::int64_t{500'000}, kHour_us}) {
     CAPTURE(clock_us);
@@ -115,7 +117,7 @@ TEST_CASE_TEMPLATE("of two vessels with one system id the first is followed, wha
   }
 }
 
-TEST_CASE_TEMPLATE("another's count of resets makes no jump legal", S, float, double) {
+TEST_CASE_TEMPLATE("another sender's reset counter makes no jump acceptable", S, float, double) {
   Watch<S> w;
   w.sail(2);
   link::Odometry other = at(0, 20);
@@ -133,7 +135,8 @@ TEST_CASE_TEMPLATE("another's count of resets makes no jump legal", S, float, do
   CHECK(w.east_m() == 20);
 }
 
-TEST_CASE_TEMPLATE("after a gap a vessel may be farther away, but not anywhere", S, float, double) {
+TEST_CASE_TEMPLATE("after a gap a vessel may be farther away, but within limits", S, float,
+                   double) {
   const std::vector<std::tuple<double, double, bool>> gaps{
       {0, 4, false}, {2, 4, true}, {2, 100, false}, {20, 90, true}};
   for (const auto& [gap_s, off_m, legal] : gaps) {
@@ -148,7 +151,8 @@ TEST_CASE_TEMPLATE("after a gap a vessel may be farther away, but not anywhere",
   }
 }
 
-TEST_CASE_TEMPLATE("a receiver whose places scatter by metres is given metres", S, float, double) {
+TEST_CASE_TEMPLATE("a receiver whose positions scatter by metres gets a tolerance of metres", S,
+                   float, double) {
   Watch<S> w;
   for (int k = 0; k < 600; ++k) w.sail(0.1, 0.01 * std::min(k, 200) * ((k * 7) % 5 - 2) * 0.4);
   CHECK(w.counters.mavlink_jump == 0);
@@ -169,7 +173,7 @@ TEST_CASE_TEMPLATE("a clock that leaps by hours while its vessel sails on is no 
   CHECK(w.counters.mavlink_jump == 0);
 }
 
-TEST_CASE_TEMPLATE("a fix on the other side of the globe is a jump, a second of them a voyage", S,
+TEST_CASE_TEMPLATE("a fix across the globe is a jump; after a second it is a new position", S,
                    float, double) {
   Watch<S> w;
   const auto hear = [&](std::int32_t longitude) {

@@ -29,8 +29,9 @@ struct Watch {
   }
 };
 
-TEST_CASE_TEMPLATE("a vessel that sails or turns and sticks is frozen within half a second", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "a moving or turning vessel whose state stops changing is frozen within half a second", S,
+    float, double) {
   for (const auto& [u, r] : {std::pair{1.0, 0.0}, {0.6, 0.3}, {-0.5, 0.0}}) {
     Watch<S> w;
     w.sample.u_mps = S(u), w.sample.r_radps = S(r);
@@ -41,7 +42,7 @@ TEST_CASE_TEMPLATE("a vessel that sails or turns and sticks is frozen within hal
   }
 }
 
-TEST_CASE_TEMPLATE("a vessel that lies still and says so is not frozen, however long", S, float,
+TEST_CASE_TEMPLATE("a vessel that reports being at rest is not frozen, however long", S, float,
                    double) {
   Watch<S> w;
   CHECK(w.sail(1000) == -1);
@@ -51,7 +52,8 @@ TEST_CASE_TEMPLATE("a vessel that lies still and says so is not frozen, however 
   CHECK(w.sail(1000) == -1);
 }
 
-TEST_CASE_TEMPLATE("a place or a heading alone that sticks is frozen too", S, float, double) {
+TEST_CASE_TEMPLATE("a position or a heading alone that stops changing is frozen too", S, float,
+                   double) {
   for (const bool place : {true, false}) {
     Watch<S> w;
     w.sample.u_mps = S(0.5), w.sample.r_radps = S(0.2);
@@ -67,8 +69,9 @@ TEST_CASE_TEMPLATE("a place or a heading alone that sticks is frozen too", S, fl
   }
 }
 
-TEST_CASE_TEMPLATE("a place told twice, four times, is that of a slow instrument", S, float,
-                   double) {
+TEST_CASE_TEMPLATE(
+    "a position that changes only in every third message comes from a slow instrument", S, float,
+    double) {
   Watch<S> w;
   w.sample.u_mps = 1;
   for (int k = 0; k < 200; ++k) {
@@ -119,7 +122,8 @@ TEST_CASE_TEMPLATE("a frozen vessel is live again some states after it moves", S
   CHECK(states <= 5);
 }
 
-TEST_CASE_TEMPLATE("a hull that is held from the beginning has some seconds", S, float, double) {
+TEST_CASE_TEMPLATE("a hull held from the beginning is frozen only after some seconds", S, float,
+                   double) {
   Watch<S> w;
   w.sample.u_mps = 5;
   CHECK(w.sail(4.5, true) == -1);

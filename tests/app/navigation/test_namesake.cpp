@@ -14,7 +14,7 @@ std::uint32_t clock_ms(std::int64_t now_us, std::int64_t began_s) {
 }
 
 TEST_CASE(
-    "two vessels are noticed within two seconds, and forgotten ten seconds after the second") {
+    "a second vessel with the same id is noticed in 2 s, and forgotten 10 s after it leaves") {
   for (const std::int64_t apart_s : {-8000, -6, 6, 8000}) {
     Namesake leader;
     std::int64_t now_us = kStart_us;
@@ -34,9 +34,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE(
-    "one vessel's reboots, late messages, drifting clock and its turn after 49 days are no "
-    "second") {
+TEST_CASE("one vessel's reboots, late messages, clock drift and 49-day wrap are no second vessel") {
   Namesake leader;
   std::int64_t began_s = 0, now_us = kStart_us;
   for (int k = 0; k < 100'000; ++k, now_us += kSecond_us / 10) {

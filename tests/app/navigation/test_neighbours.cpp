@@ -61,8 +61,7 @@ struct Watch {
   }
 };
 
-TEST_CASE(
-    "a vessel is where it says on the globe, carried forward, seen from where we have moved") {
+TEST_CASE("a vessel's global position is extrapolated and relative to our moved position") {
   Watch w;
   w.hear(5, beat());
   w.hear(5, at(30, -40, 2, -1));
@@ -99,7 +98,7 @@ struct Sailing : Watch {
   }
 };
 
-TEST_CASE("a state that comes late is as old as its stamp says, and its place as unsure") {
+TEST_CASE("a late state is as old as its stamp, and its position as uncertain") {
   Sailing w;
   w.sail(0, kSecond_us, 0);
   CHECK(w.off_m(kSecond_us) == doctest::Approx(0).epsilon(0.05));
@@ -109,7 +108,7 @@ TEST_CASE("a state that comes late is as old as its stamp says, and its place as
         doctest::Approx(2 * (0.1 + 0.1 + 0.8)).epsilon(0.01));
 }
 
-TEST_CASE("a state that is five seconds late is none: its vessel is forgotten, not put elsewhere") {
+TEST_CASE("a state five seconds late is ignored: its vessel is forgotten, not misplaced") {
   Sailing w;
   w.sail(0, 10 * kSecond_us, 0);
   w.sail(15 * kSecond_us, 60 * kSecond_us, 5 * kSecond_us);
@@ -121,7 +120,7 @@ TEST_CASE("a state that is five seconds late is none: its vessel is forgotten, n
   CHECK(w.off_m(60 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
 }
 
-TEST_CASE("a vessel that is heard too late keeps its entry: it is no new one that seems prompt") {
+TEST_CASE("a vessel heard too late keeps its entry, so it is not taken for a new, prompt one") {
   Sailing w;
   w.sail(0, 10 * kSecond_us, 0);
   w.sail(15 * kSecond_us, 20 * kSecond_us, 5 * kSecond_us);
@@ -132,7 +131,7 @@ TEST_CASE("a vessel that is heard too late keeps its entry: it is no new one tha
   CHECK(w.look(20 * kSecond_us).count == 1);
 }
 
-TEST_CASE("who was late at first is known to have been by the first prompt message") {
+TEST_CASE("the first prompt message shows that a vessel's earlier messages were late") {
   Sailing w;
   w.sail(5 * kSecond_us, 6 * kSecond_us, 4 * kSecond_us);
   w.sail(6 * kSecond_us, 7 * kSecond_us, 0);
@@ -140,7 +139,7 @@ TEST_CASE("who was late at first is known to have been by the first prompt messa
   CHECK(w.off_m(9 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
 }
 
-TEST_CASE("a message that was overtaken moves nobody back") {
+TEST_CASE("an overtaken message does not move a vessel back") {
   Sailing w;
   w.sail(0, 2 * kSecond_us, 0);
   const double before_m = w.off_m(2 * kSecond_us);
@@ -148,7 +147,7 @@ TEST_CASE("a message that was overtaken moves nobody back") {
   CHECK(w.off_m(2 * kSecond_us) == before_m);
 }
 
-TEST_CASE("a clock that begins anew, or is set, hides its vessel for three seconds at most") {
+TEST_CASE("a restarted or changed clock hides its vessel for at most three seconds") {
   for (const std::int64_t ahead_us : {-5 * kSecond_us, 35 * kSecond_us, 4000 * kSecond_us}) {
     Sailing w;
     w.sail(5 * kSecond_us, 10 * kSecond_us, 0);
@@ -158,8 +157,7 @@ TEST_CASE("a clock that begins anew, or is set, hides its vessel for three secon
   }
 }
 
-TEST_CASE(
-    "a clock that is set back by seconds, or one wrong stamp, hides its vessel for a minute") {
+TEST_CASE("a clock set back by seconds, or one wrong stamp, hides its vessel for a minute") {
   for (const bool set_back : {true, false}) {
     Sailing w;
     w.ahead_us = 1000 * kSecond_us;
@@ -185,8 +183,7 @@ TEST_CASE("a vessel that was started while it was silent is heard again") {
   CHECK(w.off_m(16 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
 }
 
-TEST_CASE(
-    "where a quick link is lost, the states of a slow one are late, not of a restarted clock") {
+TEST_CASE("when the fast link is lost, states from the slow one are late, not from a new clock") {
   for (const std::int64_t late_us : {2 * kSecond_us, 6 * kSecond_us, 50 * kSecond_us}) {
     Sailing w;
     w.ahead_us = 1000 * kSecond_us;
@@ -201,7 +198,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a clock that goes slower than ours for hours makes nobody old") {
+TEST_CASE("a clock slower than ours for hours does not age its vessel") {
   Sailing w;
   constexpr std::int64_t kHours_us = 4 * 3600 * kSecond_us;
   for (std::int64_t us = 0; us <= kHours_us; us += 500'000) {
@@ -212,7 +209,7 @@ TEST_CASE("a clock that goes slower than ours for hours makes nobody old") {
   CHECK(w.look(kHours_us).vessels[0].p_n.x == doctest::Approx(0.2).epsilon(0.05));
 }
 
-TEST_CASE("a place in a local frame counts where its origin is known, in any kind of message") {
+TEST_CASE("a local position counts in any kind of message if its origin is known") {
   const link::GpsGlobalOrigin origin{kLatitude + 1000, kLongitude, 0, 0};  // 11.1 m north of ours
   link::Odometry odometry{};
   odometry.x = 5;
@@ -238,7 +235,7 @@ TEST_CASE("a place in a local frame counts where its origin is known, in any kin
   }
 }
 
-TEST_CASE("FOLLOW_TARGET tells a place too") {
+TEST_CASE("FOLLOW_TARGET gives a position too") {
   Watch w;
   w.hear(5, beat());
   link::FollowTarget target{};
@@ -251,7 +248,7 @@ TEST_CASE("FOLLOW_TARGET tells a place too") {
 }
 
 TEST_CASE(
-    "virtual leaders, stations, companions, gimbals, other components and we are no vessels") {
+    "no vessels: virtual leaders, stations, companions, gimbals, other components, ourselves") {
   for (const unsigned type : {0U, 5U, 6U, 18U, 26U, 30U}) {
     Watch w;
     w.hear(5, beat(static_cast<std::uint8_t>(type)));
@@ -273,7 +270,7 @@ TEST_CASE(
   CHECK(w.look().count == 0);
 }
 
-TEST_CASE("a place that cannot be is passed over, and so is one in another ocean") {
+TEST_CASE("an impossible position is ignored, as is one in another ocean") {
   Watch w;
   w.hear(5, beat());
   w.hear(5, link::GlobalPositionInt{});
@@ -284,7 +281,7 @@ TEST_CASE("a place that cannot be is passed over, and so is one in another ocean
   CHECK(w.look().count == 0);
 }
 
-TEST_CASE("the leader, the shallower and the lower system id have the way; the unknown too") {
+TEST_CASE("right of way: leader, smaller depth, lower system id; also an unknown vessel") {
   Watch w;
   w.meet(kLeader, 5, 0, 1);
   CHECK(w.neighbours.depth() == 2);
@@ -315,7 +312,7 @@ TEST_CASE("a vessel that sends DEPTH, but nothing of our dialect, is a stranger"
   CHECK((w.look().vessels[0].stranger && w.look().vessels[0].has_way));
 }
 
-TEST_CASE("a vessel that sends no DEPTH is a stranger, the leader never") {
+TEST_CASE("a vessel that sends no DEPTH is a stranger, except the leader") {
   Watch w;
   w.meet(kLeader, 5, 0, -1);
   w.meet(9, 10, 0, 4);
@@ -341,7 +338,7 @@ link::AisVessel ship(double north_m, std::uint16_t heard_s_ago, std::uint32_t mm
   return m;
 }
 
-TEST_CASE("a ship that AIS reports is a stranger with the way, whoever tells of it") {
+TEST_CASE("a ship in AIS is a stranger with right of way, whoever relays it") {
   for (const std::uint8_t teller : {kOwn, kLeader, std::uint8_t{255}}) {
     Watch w;
     w.hear(teller, ship(40, 0), 10 * kSecond_us, 191);
@@ -357,7 +354,7 @@ TEST_CASE("a ship that AIS reports is a stranger with the way, whoever tells of 
   }
 }
 
-TEST_CASE("a ship's report ages with the receiver's count, and is forgotten after 30 s") {
+TEST_CASE("a ship's report ages by the receiver's counter, and is forgotten after 30 s") {
   Watch w;
   w.hear(255, ship(40, 9), 60 * kSecond_us);
   CHECK(w.look(60 * kSecond_us).vessels[0].p_n.y == doctest::Approx(2 * 10.1));
@@ -475,7 +472,7 @@ TEST_CASE("yachts at rest do not hide a ship that approaches") {
   }
 }
 
-TEST_CASE("behind a leader that tells no depth a boat is one deep; nonsense is no depth") {
+TEST_CASE("behind a leader that sends no depth a boat has depth one; invalid depths are ignored") {
   Watch w;
   w.hear(kLeader, beat());
   w.hear(kLeader, link::FormationReference{});
@@ -494,7 +491,7 @@ TEST_CASE("behind a leader that tells no depth a boat is one deep; nonsense is n
   CHECK(w.neighbours.depth() == 1);
 }
 
-TEST_CASE("a silent vessel is forgotten after three seconds, and its place is another's") {
+TEST_CASE("a silent vessel is forgotten after three seconds, and its entry is reused") {
   Watch w;
   for (int i = 0; i < 8; ++i) w.meet(static_cast<std::uint8_t>(10 + i), 5 + i, 0, 1);
   CHECK(w.look(3 * kSecond_us).count == 8);
@@ -558,7 +555,7 @@ TEST_CASE("where our own origin changes, the vessels stay where they are") {
   CHECK(w.look().count == 0);  // too far away
 }
 
-TEST_CASE("clear is when nobody is nearer than FS_SEP_M; without it nobody is looked for") {
+TEST_CASE("kClear means that no vessel is within FS_SEP_M; without it no vessel is checked") {
   for (const float least_m : {0.0F, 1.5F, 20.0F}) {
     Watch w(least_m);
     CHECK(w.neighbours.watches() == (least_m > 0));

@@ -18,7 +18,7 @@ Sample global(double east_m) {
   return out;
 }
 
-TEST_CASE("local positions are known when their own component has reported their origin") {
+TEST_CASE("local positions count once their own component has reported its origin") {
   Origins origins;
   CHECK_FALSE(origins.located());
   CHECK_FALSE(origins.place_of(local(), 1));
@@ -42,7 +42,7 @@ TEST_CASE("the first origin is that of the positions before it") {
   CHECK(origins.position().origin.longitude == kOrigin.longitude);
 }
 
-TEST_CASE("an origin that was told after the last state before a reboot is kept") {
+TEST_CASE("an origin received after the last state before a reboot is kept") {
   for (const std::int64_t last_us : {9, 10}) {
     Origins origins;
     origins.take(kOrigin, 1, true, 10);
@@ -105,7 +105,7 @@ TEST_CASE("global positions count from the origin of their component where that 
   }
 }
 
-TEST_CASE("a position too far from the anchor is told, and gets another one") {
+TEST_CASE("a position too far from the anchor is detected, and gets a new anchor") {
   Origins origins;
   origins.anchor(global(0), 1);
   CHECK_FALSE(origins.is_far(global(90e3)));

@@ -28,7 +28,7 @@ struct Sender {
   }
 };
 
-TEST_CASE("TIMESYNC tells when a message left, however long it took and whatever its clock says") {
+TEST_CASE("TIMESYNC gives the time of sending, whatever the delay and the sender's clock") {
   for (const std::int64_t ahead_us : {0L, 7'200'000'000L, 4'294'967'000'000L}) {
     SenderClocks clocks;
     const Sender sender{kMaker, ahead_us, 200'000};
@@ -47,7 +47,7 @@ TEST_CASE("TIMESYNC tells when a message left, however long it took and whatever
   }
 }
 
-TEST_CASE("no message left after it came") {
+TEST_CASE("no message is dated later than its arrival") {
   SenderClocks clocks;
   const Sender sender{kMaker, 0, 0};
   sender.speak(clocks, 1'000'000);
@@ -55,7 +55,7 @@ TEST_CASE("no message left after it came") {
   CHECK(sender.speak(clocks, 1'300'000)->us <= 1'300'000);
 }
 
-TEST_CASE("a latency that is named is taken off, until TIMESYNC tells it") {
+TEST_CASE("a configured latency is subtracted until TIMESYNC measures it") {
   SenderClocks clocks;
   clocks.set_lag(300'000);
   const Sender sender{kMaker, 0, 0};
@@ -67,14 +67,14 @@ TEST_CASE("a latency that is named is taken off, until TIMESYNC tells it") {
   CHECK(std::abs(sender.speak(clocks, 1'200'000)->us - 1'200'000) < 2000);
 }
 
-TEST_CASE("a sender that was started anew is heard with its new clock") {
+TEST_CASE("a restarted sender is heard with its new clock") {
   SenderClocks clocks;
   const Sender before{kMaker, 500'000'000, 0}, after{kMaker, 0, 0};
   before.speak(clocks, 1'000'000);
   CHECK(std::abs(after.speak(clocks, 2'000'000)->us - 2'000'000) < 1000);
 }
 
-TEST_CASE("a message that comes after a later one, by a slower link, is known to be overtaken") {
+TEST_CASE("a message overtaken on a slower link is recognised as such") {
   SenderClocks clocks;
   const Sender fast{kMaker, 0, 20'000}, slow{kMaker, 0, 1'700'000};
   for (std::int64_t us = 10'000'000; us < 15'000'000; us += 100'000) {
@@ -90,7 +90,7 @@ TEST_CASE("a message that comes after a later one, by a slower link, is known to
   }
 }
 
-TEST_CASE("where the quick link is lost, the messages of the slow one stay as old as they are") {
+TEST_CASE("when the fast link is lost, messages of the slow one keep their true age") {
   SenderClocks clocks;
   clocks.set_lag(0);
   const Sender fast{kMaker, kHour_us, 0}, slow{kMaker, kHour_us, 6'000'000};
@@ -102,7 +102,7 @@ TEST_CASE("where the quick link is lost, the messages of the slow one stay as ol
   }
 }
 
-TEST_CASE("of more senders than there is room for those nearest to the root are kept") {
+TEST_CASE("with more senders than entries, those nearest to the root are kept") {
   SenderClocks clocks;
   const auto speak = [&](std::uint8_t system, std::uint8_t rank, std::int64_t us) {
     return Sender{{system, 1}, 0, 0}.speak(clocks, us, rank).has_value();

@@ -29,7 +29,7 @@ struct Rounds {
 constexpr Source kOdometry = Source::kOdometry, kLocal = Source::kLocalPosition,
                  kFollow = Source::kFollowTarget, kGlobal = Source::kGlobalPosition;
 
-TEST_CASE("a source gives way after half a second, to the next best that comes") {
+TEST_CASE("after half a second of silence a source is replaced by the next best") {
   Rounds r;
   r.sail(10, {kGlobal, kFollow, kLocal, kOdometry});
   CHECK(r.sources.in_use() == kOdometry);
@@ -66,7 +66,7 @@ TEST_CASE("a source that repeats an old message is silent, and never comes back"
   }
 }
 
-TEST_CASE("messages that come twice, over two radios, climb like those that come once") {
+TEST_CASE("messages that arrive twice, over two radios, count like those that arrive once") {
   Rounds r;
   r.sail(10, {kGlobal});
   for (int k = 0; k < 6; ++k) {
@@ -78,7 +78,7 @@ TEST_CASE("messages that come twice, over two radios, climb like those that come
   CHECK(r.sources.in_use() == kFollow);
 }
 
-TEST_CASE("a local position of no known origin comes after every global one") {
+TEST_CASE("a local position without a known origin ranks below every global one") {
   Rounds r;
   r.origin_known = false;
   r.sail(10, {kOdometry});
@@ -90,7 +90,7 @@ TEST_CASE("a local position of no known origin comes after every global one") {
   CHECK(r.sources.in_use() == kOdometry);
 }
 
-TEST_CASE("the lowest component is better, another one only while that is silent") {
+TEST_CASE("the lowest component is preferred; another one is used only while it is silent") {
   StateSources sources(500'000);
   CHECK(sources.better(2, false));
   sources.change_to(2);
@@ -100,7 +100,7 @@ TEST_CASE("the lowest component is better, another one only while that is silent
   CHECK(sources.better(1, false));
 }
 
-TEST_CASE("a source whose stamps went back while another was used tells of a reboot, once") {
+TEST_CASE("a source whose stamps went back while another was used reports a reboot, once") {
   Rounds r;
   r.sail(10, {kGlobal, kFollow});
   r.sail(10, {kGlobal});
@@ -112,7 +112,7 @@ TEST_CASE("a source whose stamps went back while another was used tells of a reb
   CHECK_FALSE(r.sources.went_back(kGlobal));
 }
 
-TEST_CASE("an estimator was reset where ODOMETRY counts one more, in a new message") {
+TEST_CASE("one more in ODOMETRY's reset counter, in a new message, is an estimator reset") {
   Rounds r;
   CHECK_FALSE(r.sources.is_reset(1, r.now_us));
   r.sail(5, {kOdometry});

@@ -30,7 +30,7 @@ TEST_CASE("two boats that ask in the same microsecond ask with different numbers
   }
 }
 
-TEST_CASE("an answer says when its question was read, to whom, and repeats his number") {
+TEST_CASE("an answer gives the time the request was read, its sender, and his number") {
   const link::Timesync answer = TimeRequests::answer_to({0, -42}, {9, 8}, 1'000'001);
   CHECK(answer.tc1 == 1'000'001'000);
   CHECK(answer.ts1 == -42);

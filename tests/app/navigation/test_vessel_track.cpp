@@ -31,7 +31,7 @@ struct Watch {
   }
 };
 
-TEST_CASE_TEMPLATE("a vessel is carried forward from its last message, hours apart in clock", S,
+TEST_CASE_TEMPLATE("a vessel is extrapolated from its last message, with clocks hours apart", S,
                    float, double) {
   for (const std::int64_t offset : {std::int64_t{0}, 5 * kHour_us}) {
     Watch<S> w;
@@ -47,7 +47,7 @@ TEST_CASE_TEMPLATE("a vessel is carried forward from its last message, hours apa
 }
 
 TEST_CASE_TEMPLATE(
-    "not smoothed, no fix leads over a gap, and another vessel is not smoothed either", S, float,
+    "without smoothing no fix bridges a gap, and another vessel is not smoothed either", S, float,
     double) {
   Watch<S> w;
   w.track.set_smoothing(false);
@@ -77,7 +77,7 @@ TEST_CASE_TEMPLATE("a state grows old while its vessel's clock is set back an ho
   CHECK_FALSE(w.track.fresh(1'500'000, kLimit_us));
 }
 
-TEST_CASE_TEMPLATE("another vessel, or our own voice, never moves a track", S, float, double) {
+TEST_CASE_TEMPLATE("another vessel, or our own messages, never move a track", S, float, double) {
   Watch<S> w;
   w.hear(at(1000, 7), 1000, {6, 1});
   w.hear(at(1000, 7), 1000, {0, 1});
@@ -91,7 +91,7 @@ TEST_CASE_TEMPLATE("another vessel, or our own voice, never moves a track", S, f
 }
 
 TEST_CASE_TEMPLATE(
-    "repeated and backward stamps are refused, the last good state stays until stale", S, float,
+    "repeated and backward stamps are refused; the last good state stays until stale", S, float,
     double) {
   Watch<S> w;
   w.hear(at(1'000'000, 1), 1'000'000);
@@ -119,8 +119,8 @@ TEST_CASE_TEMPLATE("a vessel that rebooted is believed again after a second", S,
   CHECK(std::isfinite(double(w.track.motion(believed + 100'000).moved_n.x)));
 }
 
-TEST_CASE_TEMPLATE("where a quick link is lost, the states of a slow one stay as old as they are",
-                   S, float, double) {
+TEST_CASE_TEMPLATE("when the fast link is lost, states of the slow one keep their true age", S,
+                   float, double) {
   Watch<S> w;
   w.track.set_lag(0);
   const std::uint8_t resets = w.track.clock_resets();
@@ -143,8 +143,8 @@ TEST_CASE_TEMPLATE("after a reboot of the vessel its latency may be another", S,
 }
 
 TEST_CASE_TEMPLATE(
-    "the own unit, which has one link, is believed soon after its clock is set back by seconds", S,
-    float, double) {
+    "the own unit, on one link, is accepted soon after its clock is set back by seconds", S, float,
+    double) {
   Watch<S> w{VesselTrack<S>{typename VesselTrack<S>::Identity{5, 0, 300'000, 300'000, true}}, {}};
   w.track.set_lag(0);
   for (std::int64_t t = 0; t < 5'000'000; t += 100'000)
@@ -166,8 +166,9 @@ TEST_CASE_TEMPLATE("one stamp from the far future costs two seconds at most", S,
   }
 }
 
-TEST_CASE_TEMPLATE("no motion led from before a reset of the estimate to where it is after it", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "an estimator reset is not taken for a motion from the old position to the new one", S, float,
+    double) {
   Watch<S> w;
   link::Odometry m;
   for (std::int64_t t = 0; t <= 2'000'000; t += 100'000) {
@@ -186,8 +187,8 @@ TEST_CASE_TEMPLATE("no motion led from before a reset of the estimate to where i
   CHECK(double(motion.nu.u) == doctest::Approx(-2));
 }
 
-TEST_CASE_TEMPLATE("a state from before a reset that comes late, over another radio, is still late",
-                   S, float, double) {
+TEST_CASE_TEMPLATE("a late state from before a reset, over another radio, is still late", S, float,
+                   double) {
   Watch<S> w;
   const auto told = [](std::int64_t stamp_us, std::uint8_t resets) {
     link::Odometry m = at(stamp_us, resets == 0 ? 1 : 50);
@@ -204,7 +205,7 @@ TEST_CASE_TEMPLATE("a state from before a reset that comes late, over another ra
   }
 }
 
-TEST_CASE_TEMPLATE("a vessel whose estimator says that it has failed says nothing", S, float,
+TEST_CASE_TEMPLATE("a vessel whose estimator reports its failure gives no state", S, float,
                    double) {
   Watch<S> w;
   for (const int quality : {0, 1, 100, -1, -128}) {
@@ -219,7 +220,7 @@ TEST_CASE_TEMPLATE("a vessel whose estimator says that it has failed says nothin
   CHECK(w.counters.mavlink_bad_value == 2);
 }
 
-TEST_CASE_TEMPLATE("a clock that leaps ahead by hours begins a new track, with no motion between",
+TEST_CASE_TEMPLATE("a clock that jumps ahead by hours begins a new track, without motion between",
                    S, float, double) {
   Watch<S> w;
   std::int64_t t = 0;
@@ -240,7 +241,7 @@ TEST_CASE_TEMPLATE("a clock that leaps ahead by hours begins a new track, with n
 }
 
 TEST_CASE_TEMPLATE(
-    "a message with NaN is counted and forgotten, one without north complained about", S, float,
+    "a message with NaN is counted and ignored; one in a frame without north is reported", S, float,
     double) {
   Watch<S> w;
   w.hear(at(1'000'000, 1), 1'000'000);
@@ -256,8 +257,9 @@ TEST_CASE_TEMPLATE(
   CHECK(w.track.position().north_m == 1);
 }
 
-TEST_CASE_TEMPLATE("position and attitude apart make a state; ODOMETRY is preferred while it comes",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "separate position and attitude give a state; ODOMETRY is preferred while it arrives", S, float,
+    double) {
   Watch<S> w;
   const auto local = [](std::uint32_t ms, float x) {
     return link::LocalPositionNed{ms, x, 0, 0, 1, 0, 0};
@@ -279,8 +281,8 @@ TEST_CASE_TEMPLATE("position and attitude apart make a state; ODOMETRY is prefer
   CHECK(w.track.position().north_m == 8);
 }
 
-TEST_CASE_TEMPLATE("a lower component with an attitude but no position silences nobody", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a lower component with an attitude but no position silences no source", S,
+                   float, double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 5'000'000; t += 100'000) {
     w.hear(link::Attitude{static_cast<std::uint32_t>(t / 1000), 0, 0, 0, 0, 0, 0}, t, {5, 1});
@@ -296,8 +298,7 @@ TEST_CASE_TEMPLATE("a heading of another time is not joined with a position", S,
   CHECK_FALSE(w.track.age_us(5'000'000));
 }
 
-TEST_CASE_TEMPLATE("TIMESYNC tells the age of a message that was long on its way", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("TIMESYNC gives the age of a delayed message", S, float, double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 3'000'000; t += 100'000) w.hear(at(t + kHour_us, 0), t + 80'000);
   CHECK(w.track.age_us(3'000'000) == 20'000);  // the fastest message counts as undelayed
@@ -380,7 +381,7 @@ struct FourSources : Watch<S> {
   }
 };
 
-TEST_CASE_TEMPLATE("the most precise source that comes is believed", S, float, double) {
+TEST_CASE_TEMPLATE("the most precise source available is used", S, float, double) {
   FourSources<S> w;
   w.global = true;
   w.sail(1);
@@ -403,7 +404,7 @@ TEST_CASE_TEMPLATE("the most precise source that comes is believed", S, float, d
   CHECK(w.counters.mavlink_bad_value + w.counters.mavlink_no_heading == 0);
 }
 
-TEST_CASE_TEMPLATE("a local position of no known origin comes after every global one", S, float,
+TEST_CASE_TEMPLATE("a local position without a known origin ranks below every global one", S, float,
                    double) {
   FourSources<S> w;
   w.origin = false;
@@ -421,8 +422,8 @@ TEST_CASE_TEMPLATE("a local position of no known origin comes after every global
   CHECK(w.track.position().origin.longitude == kOrigin.longitude);
 }
 
-TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the old one", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a fix on the other side of the globe is not taken for one near the old one", S,
+                   float, double) {
   Watch<S> w;
   const auto hear = [&](std::int64_t us, std::int32_t longitude) {
     w.hear(link::Attitude{convert::boot_ms(us), 0, 0, 0, 0, 0, 0}, us);
@@ -468,7 +469,7 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIMESYNC told", S,
+TEST_CASE_TEMPLATE("changing the source keeps the acceleration and the age measured by TIMESYNC", S,
                    float, double) {
   constexpr std::int64_t kDelay_us = 150'000, kClock_us = kHour_us;
   Watch<S> w;
@@ -517,8 +518,8 @@ TEST_CASE_TEMPLATE("a vessel whose FOLLOW_TARGET has no attitude takes ATTITUDE'
   CHECK(w.counters.mavlink_no_heading == 2);
 }
 
-TEST_CASE_TEMPLATE("what is no fix, no number or no state is counted and moves nothing", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a message without fix, with NaN or without state is counted and moves nothing",
+                   S, float, double) {
   FourSources<S> w;
   w.global = w.follow = true;
   w.sail(1);
@@ -539,7 +540,8 @@ TEST_CASE_TEMPLATE("what is no fix, no number or no state is counted and moves n
   CHECK_FALSE(w.track.take_fix());
 }
 
-TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before", S, float, double) {
+TEST_CASE_TEMPLATE("following another vessel discards all data of the previous one", S, float,
+                   double) {
   FourSources<S> w;
   w.odometry = w.local = true;
   w.sail(2);

@@ -28,7 +28,8 @@ bool denied(const DecodedCommand& asked) {
   return asked.result == mav::kDenied && asks_nothing(asked);
 }
 
-TEST_CASE("arm and disarm ask the supervisor, with the unused fields 0, NaN or the force number") {
+TEST_CASE(
+    "arm and disarm requests reach the supervisor, with unused fields 0, NaN or the force number") {
   for (const float second : {0.0F, NAN, 21196.0F}) {
     CHECK(meaning(mav::kCmdComponentArmDisarm, 1, second).request == Request::kArm);
     CHECK(meaning(mav::kCmdComponentArmDisarm, 0, second).request == Request::kDisarm);
@@ -84,9 +85,7 @@ TEST_CASE("mode 6 is FOLLOW as Rover's clients ask for it, and OFFBOARD in every
 }
 
 TEST_CASE(
-    "sub modes are denied with a sentence; PX4's hold, (4, 3), stops a boat, (4, 4) is AUTO, (4, "
-    "5) "
-    "RTL") {
+    "sub modes are denied with a text, except PX4's (4, 3): HOLD, (4, 4): AUTO and (4, 5): RTL") {
   for (const float base : {1.0F, 129.0F}) {
     for (float main = 0; main < 10; ++main) {
       for (float sub = 1; sub < 12; ++sub) {
@@ -105,7 +104,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("MANUAL is not asked for by a flag of the base mode, HOLD in any form") {
+TEST_CASE("no flag of the base mode requests MANUAL, but HOLD can be requested in any form") {
   CHECK(denied(meaning(mav::kCmdDoSetMode, 33, 0)));  // pymavlink: set_mode_flag(HIL, True)
   CHECK(denied(meaning(mav::kCmdDoSetMode, 192, 0)));
   CHECK(meaning(mav::kCmdDoSetMode, 129, 0).request == Request::kManual);
@@ -117,7 +116,7 @@ TEST_CASE("MANUAL is not asked for by a flag of the base mode, HOLD in any form"
   }
 }
 
-TEST_CASE("SET_MODE names Rover's modes, whatever the heartbeat's flags that come back with it") {
+TEST_CASE("SET_MODE uses Rover's modes, whatever heartbeat flags it repeats") {
   const auto set_mode = [](std::uint8_t base, std::uint32_t mode) {
     return meaning_of(*command_of(link::SetMode{mode, 1, base}));
   };
@@ -133,7 +132,7 @@ TEST_CASE("SET_MODE names Rover's modes, whatever the heartbeat's flags that com
     CHECK(denied(set_mode(128, mode)));  // safety switch
 }
 
-TEST_CASE("every command number that the boat does not have is unsupported and asks nothing") {
+TEST_CASE("every unknown command number is unsupported and requests nothing") {
   const std::set<unsigned> known{20,  176, 185, 192, 193, 207, 209, 224, 245,
                                  262, 300, 400, 410, 510, 511, 512, 519, 520};
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
@@ -151,7 +150,7 @@ TEST_CASE("every command number that the boat does not have is unsupported and a
   CHECK(meaning(mav::kCmdNavReturnToLaunch, 0).request == Request::kReturn);
 }
 
-TEST_CASE("DO_REPOSITION is GUIDED to a place, in COMMAND_INT and a global frame only") {
+TEST_CASE("DO_REPOSITION requests GUIDED to a position, only in COMMAND_INT and a global frame") {
   const auto reposition = [](float speed, float flags, std::int32_t x, std::uint8_t frame) {
     link::CommandInt c{};
     c.command = mav::kCmdDoReposition;
@@ -202,7 +201,7 @@ TEST_CASE("a motor test is one propeller, up to 20 percent either way, for up to
   for (const float count : {2.0F, -1.0F, 0.5F, INFINITY}) CHECK(denied(test(1, 0, 5, 1, count)));
 }
 
-TEST_CASE("termination and saving are asked for by exactly 1") {
+TEST_CASE("only the value 1 requests termination or saving") {
   CHECK(meaning(mav::kCmdDoFlightTermination, 1).request == Request::kTerminate);
   CHECK(meaning(mav::kCmdPreflightStorage, 1).save_parameters);
   CHECK(meaning(mav::kCmdPreflightStorage, 1).request == Request::kNone);
@@ -212,7 +211,7 @@ TEST_CASE("termination and saving are asked for by exactly 1") {
   }
 }
 
-TEST_CASE("a message is asked for by its number, directly or by the older commands") {
+TEST_CASE("a message is requested by its number, directly or by the older commands") {
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     const DecodedCommand asked = meaning(mav::kCmdRequestMessage, static_cast<float>(id), NAN);
     REQUIRE(asked.message);
@@ -271,7 +270,7 @@ TEST_CASE("COMMAND_INT and SET_MODE mean what COMMAND_LONG means") {
   CHECK_FALSE(command_of(RequestMessage{}).has_value());
 }
 
-TEST_CASE("no bits in a command's fields, whatever they are, break anything") {
+TEST_CASE("no bit pattern in a command's fields breaks anything") {
   constexpr std::uint32_t kSeed = 11;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);

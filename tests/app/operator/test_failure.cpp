@@ -74,14 +74,14 @@ TEST_CASE("a failure is three whole numbers, the last of which may be left out")
   }
 }
 
-TEST_CASE("a boat at sea has no such command") {
+TEST_CASE("a real boat does not support failure injection") {
   Simulated it;
   it.ask(kGps, kOff, 0);
   CHECK(it.answers() == std::vector<int>{mav::kUnsupported});
   CHECK_FALSE(it.boat.take_failure());
 }
 
-TEST_CASE("a simulated boat answers what its host has judged, and the host takes it once") {
+TEST_CASE("a simulated boat answers with its host's verdict, and the host takes it once") {
   Simulated it;
   it.boat.let_failures_be_injected(&judge);
   it.ask(kGps, kOff, 1);
@@ -105,7 +105,7 @@ TEST_CASE("a second failure waits until the host has taken the first one") {
   CHECK(it.answers() == std::vector<int>{mav::kAccepted});
 }
 
-TEST_CASE("who may not command lets nothing fail") {
+TEST_CASE("a sender that may not command cannot inject failures") {
   Parameters p;
   p.MAV_GCS_SYSID = 254;
   Simulated it(p);

@@ -57,7 +57,7 @@ TEST_CASE("a companion takes the only autopilot's system id three seconds after 
   CHECK_FALSE(boat.latch(false, 64 * kSecond_us));  // once
 }
 
-TEST_CASE("having taken an id, or having kept its own, a companion stays with it") {
+TEST_CASE("once a companion has taken an id or kept its own, it stays with it") {
   for (const bool several : {false, true}) {
     Identity boat = identity(true, 7, 191);
     boat.heard({42, 1}, beat(), kLeader, 0);
@@ -125,7 +125,7 @@ TEST_CASE(
   CHECK(boat.latch(false, 7 * kSecond_us));
 }
 
-TEST_CASE("a companion that is armed when it would take an id stays who it is, for good") {
+TEST_CASE("a companion that is armed when it would take an id keeps its own for good") {
   Identity boat = identity(true, 7, 191);
   boat.heard({42, 1}, beat(), kLeader, 0);
   CHECK_FALSE(boat.latch(true, 3 * kSecond_us));
@@ -140,7 +140,7 @@ TEST_CASE("a companion that is armed when it would take an id stays who it is, f
   CHECK(other.latch(false, 3 * kSecond_us));
 }
 
-TEST_CASE("system id 0 is nobody: a companion does not become it") {
+TEST_CASE("a companion does not take system id 0") {
   Identity boat = identity(true, 7, 191);
   boat.heard({0, 1}, beat(), kLeader, 0);
   boat.latch(false, 3 * kSecond_us);
@@ -154,7 +154,7 @@ TEST_CASE("a companion configured with its autopilot's id changes nothing") {
   CHECK(boat.self() == link::Address{42, 191});
 }
 
-TEST_CASE("a vehicle of its own keeps its id whatever it hears") {
+TEST_CASE("an independent vehicle keeps its id, whatever it hears") {
   Identity boat = identity(false, 7, 1);
   for (std::int64_t t = 0; t < 10; ++t) {
     boat.heard({42, 1}, beat(), kLeader, t * kSecond_us);

@@ -35,7 +35,7 @@ std::vector<PendingRequest> all(Inbox& inbox) {
 }
 std::uint16_t id_of(const PendingRequest& pending) { return command_of(pending.message)->id; }
 
-TEST_CASE("requests wait in their order with link and time of reading; one too many is counted") {
+TEST_CASE("requests are queued in order with link and time of reading; one too many is counted") {
   Inbox inbox;
   link::Counters counters;
   for (std::uint16_t i = 0; i < kHolds + 3; ++i) {
@@ -60,7 +60,7 @@ TEST_CASE("requests wait in their order with link and time of reading; one too m
   CHECK(counters.requests_dropped == 3);
 }
 
-TEST_CASE("what cannot be answered yet keeps its place, and so does what comes behind the last") {
+TEST_CASE("a request that cannot be answered yet keeps its place, as do those behind the last") {
   constexpr std::uint32_t kSeed = 9;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -116,7 +116,7 @@ TEST_CASE("the last of all, or of none, leaves nothing behind") {
   CHECK(all(inbox).empty());
 }
 
-TEST_CASE("a stop makes void what was kept before it, and leaves what is behind it for later") {
+TEST_CASE("a stop cancels the requests before it, and leaves those behind it for later") {
   using enum Inbox::Taken;
   Inbox inbox;
   link::Counters counters;
@@ -144,7 +144,7 @@ PendingRequest stop(std::size_t any) {
   return pending(link::CommandInt{id, {first, 0, 0, 0}, 0, 0, 0, {1, 1}, 0});
 }
 // read_us numbers the letters.
-TEST_CASE("no stop is ever lost, however full the inbox, nor answered before what came before it") {
+TEST_CASE("no stop is ever lost in a full inbox, nor answered before earlier requests") {
   constexpr std::uint32_t kSeed = 10;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -190,7 +190,7 @@ TEST_CASE("no stop is ever lost, however full the inbox, nor answered before wha
   CHECK(pushed == taken + left + counters.requests_dropped);
 }
 
-TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
+TEST_CASE("a disarm is kept among any number of requests, wherever it stands") {
   constexpr std::uint32_t kSeed = 4;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -227,7 +227,7 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
   }
 }
 
-TEST_CASE("HOLD takes no place from a disarm, and from another request only if it is obeyed") {
+TEST_CASE("HOLD displaces no disarm, and displaces another request only if it is obeyed") {
   Inbox inbox;
   link::Counters counters;
   for (std::size_t i = 0; i < kHolds; ++i) inbox.push(command(7), counters);
@@ -247,7 +247,7 @@ TEST_CASE("HOLD takes no place from a disarm, and from another request only if i
   CHECK(std::ranges::all_of(kept, ends));
 }
 
-TEST_CASE("of many stops the last one has the last word, however full the inbox was") {
+TEST_CASE("of many stops the last one decides, however full the inbox was") {
   for (const std::size_t others : {std::size_t{0}, std::size_t{1}, std::size_t{5}, kHolds}) {
     Inbox inbox;
     link::Counters counters;

@@ -67,7 +67,7 @@ TEST_CASE(
   CHECK_FALSE(s.links.bucket(1).for_state());
 }
 
-TEST_CASE("whatever a limited link is given to send, in the long run it keeps to its limit") {
+TEST_CASE("on average a limited link keeps to its limit, whatever it is given to send") {
   constexpr std::uint32_t kSeed = 31;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -91,7 +91,7 @@ TEST_CASE("whatever a limited link is given to send, in the long run it keeps to
   }
 }
 
-TEST_CASE("what was dropped for want of room is not paid for") {
+TEST_CASE("messages dropped for lack of room use no credit") {
   Ship s;
   s.links.bucket(0).limit(4000);
   s.links.begin(kSecond_us);  // 1200 and 800 bytes
@@ -102,7 +102,7 @@ TEST_CASE("what was dropped for want of room is not paid for") {
   CHECK_FALSE(s.links.bucket(0).for_state());
 }
 
-TEST_CASE("others' traffic on a slow link keeps to what is not the state's, which is never late") {
+TEST_CASE("forwarded traffic on a slow link uses the rest's share; the state is never late") {
   Ship s;
   s.links.bucket(0).limit(1000);
   const Bytes file = any_bytes(280, 1);
@@ -121,8 +121,7 @@ TEST_CASE("others' traffic on a slow link keeps to what is not the state's, whic
   CHECK(handed_on <= 120 * 620);
 }
 
-TEST_CASE(
-    "a tick's output has room for a datagram; what finds none is counted and uses no number") {
+TEST_CASE("a tick's output holds one datagram; a message beyond it is counted and uses no number") {
   Ship s;
   std::size_t sent = 0;
   while (s.links.room(0) >= 40) {
@@ -150,7 +149,7 @@ TEST_CASE(
   CHECK(now[0].sequence == static_cast<std::uint8_t>(was.back().sequence + 1));
 }
 
-TEST_CASE("what is handed on leaves unchanged with the next tick, before our own, and once") {
+TEST_CASE("forwarded messages are sent unchanged with the next tick, before our own, and once") {
   Ship s;
   const Bytes first = any_bytes(280, 1), second = any_bytes(12, 200);
   s.links.begin(kTick_us);
@@ -172,7 +171,7 @@ TEST_CASE("what is handed on leaves unchanged with the next tick, before our own
 }
 
 TEST_CASE(
-    "400 bytes of a tick's output are for what is handed on; a frame too many is counted, whole") {
+    "400 bytes of a tick's output are for forwarding; a frame too many is dropped and counted") {
   constexpr std::uint32_t kSeed = 37;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -203,7 +202,7 @@ link::Received numbered(std::uint8_t sequence) {
   return out;
 }
 
-TEST_CASE("a heartbeat of ours that comes back is known, on whatever link, and no other one is") {
+TEST_CASE("an echo of our own heartbeat is recognised on any link, and no other one is") {
   Ship s;
   std::mt19937 random(41);
   link::MavlinkDecoder decoder;
@@ -253,7 +252,7 @@ TEST_CASE("under a new id every link goes on counting where it was") {
 
 // A message that is cut off.
 
-TEST_CASE("behind the false start of a message that is given up, another one is found") {
+TEST_CASE("behind the false start of an abandoned message, another message is found") {
   link::MavlinkEncoder encoder({255, 190});
   Bytes stream{0xFD, 200, 0, 0};
   const Bytes frame = testing::frame_of(encoder, kAttitude);
@@ -272,7 +271,7 @@ TEST_CASE("behind the false start of a message that is given up, another one is 
   CHECK(std::ranges::equal(s.links.frame(0), frame));
 }
 
-TEST_CASE("the rest of a message is waited for 0.3 s, however it trickles in, and no longer") {
+TEST_CASE("the rest of a message is awaited for 0.3 s, however slowly it arrives, and no longer") {
   const Bytes frame = [] {
     link::MavlinkEncoder encoder({255, 190});
     return testing::frame_of(encoder, kAttitude);
@@ -342,7 +341,7 @@ std::optional<link::Received> let_in(SigningPolicy policy, bool key, Mark mark,
   return links.next(1, received, 0, counters) ? std::optional(received) : std::nullopt;
 }
 
-TEST_CASE("what a link takes: by its policy, by key, by signature") {
+TEST_CASE("a link accepts messages by its policy, by key, by signature") {
   const link::Message command = link::CommandLong{400, {1, 0, 0, 0, 0, 0, 0}, kSelf, 0};
   for (const SigningPolicy policy :
        {SigningPolicy::kOff, SigningPolicy::kAccept, SigningPolicy::kRequired}) {
@@ -369,7 +368,7 @@ TEST_CASE("what a link takes: by its policy, by key, by signature") {
   }
 }
 
-TEST_CASE("a radio may say how full its buffer is without a signature, but not with a false one") {
+TEST_CASE("RADIO_STATUS is accepted without a signature, but not with a false one") {
   link::Counters counters;
   const link::Message radio = link::RadioStatus{50};
   const auto taken = [&](bool key, Mark mark, std::uint8_t component, bool datagrams = false) {
@@ -383,7 +382,7 @@ TEST_CASE("a radio may say how full its buffer is without a signature, but not w
   CHECK_FALSE(taken(true, Mark::kNone, 68, true));  // not on a serial line
 }
 
-TEST_CASE("a link signs what it sends if its policy says so and there is a key, with its own id") {
+TEST_CASE("a link signs its output, with its own id, if its policy says so and there is a key") {
   for (const bool key : {false, true}) {
     std::array<MavlinkLinks::Link, 3> room;
     std::array<Datagram, 3> out;
@@ -406,7 +405,7 @@ TEST_CASE("a link signs what it sends if its policy says so and there is a key, 
   }
 }
 
-TEST_CASE("policies have the names of the configuration, and no others") {
+TEST_CASE("the configuration's policy names are accepted, and no others") {
   CHECK(signing_policy("off") == SigningPolicy::kOff);
   CHECK(signing_policy("accept") == SigningPolicy::kAccept);
   CHECK(signing_policy("required") == SigningPolicy::kRequired);

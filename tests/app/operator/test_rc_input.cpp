@@ -28,7 +28,7 @@ struct Transmitter {
   }
 };
 
-TEST_CASE("a transmitter at rest has no sticks and asks for nothing") {
+TEST_CASE("a transmitter at rest gives no sticks and requests nothing") {
   for (const State state : {State::kDisarmed, State::kHold, State::kManual, State::kFormation,
                             State::kCoast, State::kTest, State::kFault}) {
     Transmitter t;
@@ -38,7 +38,7 @@ TEST_CASE("a transmitter at rest has no sticks and asks for nothing") {
   }
 }
 
-TEST_CASE("a receiver is lost while its unit calls it enabled but not healthy") {
+TEST_CASE("a receiver counts as lost while its unit reports it enabled but not healthy") {
   constexpr std::uint32_t kBit = link::mav::kSensorRcReceiver;
   RcInput rc;
   CHECK_FALSE(rc.is_lost());
@@ -57,7 +57,7 @@ TEST_CASE("a receiver is lost while its unit calls it enabled but not healthy") 
   CHECK_FALSE(lost(kBit, ~kBit, 0));
 }
 
-TEST_CASE("the switch asks for MANUAL where the boat can go there, as long as it is on") {
+TEST_CASE("while the switch is on it requests MANUAL where the boat can change to it") {
   for (const State state : {State::kHold, State::kFormation, State::kCoast}) {
     Transmitter t;
     t.set(1500, 1500, 1900);
@@ -79,7 +79,7 @@ TEST_CASE("the switch asks for MANUAL where the boat can go there, as long as it
   }
 }
 
-TEST_CASE("the switch turned off asks for HOLD in MANUAL, once, and gives the sticks back") {
+TEST_CASE("in MANUAL, turning the switch off requests HOLD once and releases the sticks") {
   Transmitter t;
   t.set(1500, 1600, 1900);
   t.hear(State::kManual);
@@ -91,7 +91,7 @@ TEST_CASE("the switch turned off asks for HOLD in MANUAL, once, and gives the st
   CHECK_FALSE(t.request());
 }
 
-TEST_CASE("a stick that is moved takes over from the law, and from nobody else") {
+TEST_CASE("moving a stick takes control from the law, and from nobody else") {
   for (const auto& [steering, throttle] : {std::pair{1500, 1630}, std::pair{1500, 1370},
                                            std::pair{1630, 1500}, std::pair{1370, 1500}}) {
     Transmitter t;
@@ -114,7 +114,7 @@ TEST_CASE("a stick that is moved takes over from the law, and from nobody else")
   CHECK_FALSE(still.request());
 }
 
-TEST_CASE("a throttle that rests at its lower end is not moved; one that leaves it is") {
+TEST_CASE("a throttle resting at its lower end is not moved; one that leaves it is") {
   Transmitter t;
   t.set(1500, 1000, 1000);
   for (const State state : {State::kDisarmed, State::kHold, State::kFormation, State::kCoast}) {
@@ -131,7 +131,7 @@ TEST_CASE("a throttle that rests at its lower end is not moved; one that leaves 
   CHECK(t.rc.sticks());
 }
 
-TEST_CASE("sticks rest where they are when the law begins to drive") {
+TEST_CASE("the sticks' position when the law starts to drive counts as their rest position") {
   Transmitter t;
   t.set(1500, 1000, 1000);
   t.hear(State::kHold);
@@ -156,7 +156,7 @@ TEST_CASE("pulses are shares of full thrust ahead and of full moment to starboar
   CHECK(t.rc.sticks()->yaw == 1);
 }
 
-TEST_CASE("what is no pulse, or misses a channel, is not heard") {
+TEST_CASE("invalid pulses, or a missing channel, are ignored") {
   for (const std::uint16_t wrong : std::initializer_list<std::uint16_t>{0, 799, 2201, 65535}) {
     for (const std::size_t channel : {0U, 2U, 6U}) {
       Transmitter t;

@@ -14,7 +14,7 @@ namespace {
 using Room = std::array<Router::Link, 4>;
 constexpr std::int64_t kNow_us = 5'000'000, kGone_us = 10'000'000;
 
-TEST_CASE("a message goes on to where its addressee was heard, and never to who is unknown") {
+TEST_CASE("a message is forwarded where its target was heard, and never to unknown targets") {
   Room room;
   Router router(room);
   router.heard({2, 1}, 1, kNow_us);
@@ -38,7 +38,7 @@ TEST_CASE("a system is on every link on which one of its components was heard in
   CHECK(router.links_to({0, 0}, kNow_us) == 0);
 }
 
-TEST_CASE("broadcasts are not handed on") {
+TEST_CASE("broadcasts are not forwarded") {
   Room room;
   Router router(room);
   for (std::uint8_t system = 0; system < 20; ++system) router.heard({system, 1}, 1, kNow_us);
@@ -46,7 +46,7 @@ TEST_CASE("broadcasts are not handed on") {
   CHECK(router.beyond({0, 1}, 0, kNow_us) == 0);
 }
 
-TEST_CASE("what its addressee hears anyway, on the link that it came by, is not handed on") {
+TEST_CASE("a message whose target is on the link it came from is not forwarded") {
   Room room;
   Router router(room);
   router.heard({2, 1}, 1, kNow_us);
@@ -57,7 +57,7 @@ TEST_CASE("what its addressee hears anyway, on the link that it came by, is not 
   CHECK(router.beyond({2, 1}, 3, kNow_us) == 0);
 }
 
-TEST_CASE("who was not heard for ten seconds is there no more, on each link for itself") {
+TEST_CASE("a system silent for ten seconds is forgotten, on each link separately") {
   Room room;
   Router router(room);
   router.heard({2, 1}, 1, 0);
@@ -71,7 +71,7 @@ TEST_CASE("who was not heard for ten seconds is there no more, on each link for 
   CHECK(router.beyond({2, 1}, 0, 2 * kGone_us) == 0b010);
 }
 
-TEST_CASE("one that was heard when the clock stood at 0 was heard") {
+TEST_CASE("a system heard at clock time 0 counts as heard") {
   Room room;
   Router router(room);
   router.heard({0, 0}, 3, 0);
@@ -114,7 +114,7 @@ struct Model {
   }
 };
 
-TEST_CASE("of the 33rd sender on, the one unheard for longest is forgotten") {
+TEST_CASE("from the 33rd sender on, the one silent for longest is forgotten") {
   constexpr std::uint32_t kSeed = 8;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);

@@ -7,7 +7,7 @@
 namespace flotilla::app {
 namespace {
 
-TEST_CASE("a disarm leads out of every state, and an operator's heartbeat tells of it at once") {
+TEST_CASE("a disarm leaves every state, and an operator's heartbeat shows it at once") {
   for (const State from : kEveryState) {
     Ship s;
     s.bring_to(from);
@@ -54,7 +54,7 @@ TEST_CASE("every state has its heartbeat") {
   }
 }
 
-TEST_CASE("termination leads to FAULT from every state, and only a disarm out of it") {
+TEST_CASE("termination leads to FAULT from every state, which only a disarm leaves") {
   for (const State from : kEveryState) {
     Ship s;
     s.bring_to(from);
@@ -84,7 +84,7 @@ TEST_CASE("termination leads to FAULT from every state, and only a disarm out of
   }
 }
 
-TEST_CASE("the host's disarm comes after whatever else was asked in that tick") {
+TEST_CASE("the host's disarm acts after all other requests of that tick") {
   for (const State from : kEveryState) {
     Ship s;
     s.bring_to(from);
@@ -102,7 +102,7 @@ TEST_CASE("the host's disarm comes after whatever else was asked in that tick") 
   }
 }
 
-TEST_CASE("sticks count for half a second, only whole ones, only the one commander's") {
+TEST_CASE("sticks are valid for half a second, only if complete, only from the commander") {
   Parameters p;
   p.MAV_GCS_SYSID = 255;
   Ship s(p);
@@ -133,7 +133,7 @@ TEST_CASE("sticks count for half a second, only whole ones, only the one command
   CHECK(s.supervisor.sticks().surge == doctest::Approx(0.1));
 }
 
-TEST_CASE("whoever holds the sticks keeps them until he lets go for half a second") {
+TEST_CASE("the operator who holds the sticks keeps them until half a second after release") {
   Ship s;
   link::MavlinkEncoder mate{{255, 191}};
   s.sticks(100, 0);
@@ -154,7 +154,7 @@ TEST_CASE("whoever holds the sticks keeps them until he lets go for half a secon
   CHECK(s.supervisor.sticks().surge == doctest::Approx(0.9));
 }
 
-TEST_CASE("a companion that drives holds when the whole system is told to, one at rest is silent") {
+TEST_CASE("a driving companion obeys HOLD to the whole system, one at rest does not answer") {
   Parameters p;
   p.MAV_IDENTITY = 1;
   p.MAV_COMPID = 191;
@@ -218,7 +218,7 @@ TEST_CASE(
   CHECK(s.state() == State::kHold);
 }
 
-TEST_CASE("a refusal is said once for each failing check, and not more often than twice a second") {
+TEST_CASE("a refusal is reported once for each failing check, at most twice a second") {
   Ship s;
   s.world = kFair & ~(core::kSoleVessel | core::kEscsOnline | core::kParametersSaved |
                       core::kSoleController);
@@ -242,7 +242,7 @@ TEST_CASE("a refusal is said once for each failing check, and not more often tha
   CHECK(s.state() == State::kDisarmed);
 }
 
-TEST_CASE("where FORMATION lacks something a boat is armed all the same, and that is told once") {
+TEST_CASE("a boat is armed even if FORMATION is not possible, and reports that once") {
   constexpr core::Conditions kMayLack =
       core::kOwn | core::kOwnTimed | core::kOwnPrompt | core::kLimits | core::kFollows;
   for (unsigned bit = 0; bit < core::kConditionCount; ++bit) {
@@ -267,7 +267,7 @@ TEST_CASE("where FORMATION lacks something a boat is armed all the same, and tha
   }
 }
 
-TEST_CASE("an armed boat whose sticks are not at neutral says so once as MANUAL begins") {
+TEST_CASE("an armed boat whose sticks are off neutral reports it once as MANUAL begins") {
   for (const std::int16_t surge : {std::int16_t{0}, std::int16_t{1000}}) {
     Ship s;
     s.bring_to(State::kHold);
@@ -282,7 +282,7 @@ TEST_CASE("an armed boat whose sticks are not at neutral says so once as MANUAL 
   }
 }
 
-TEST_CASE("a refusal with every reason there is leaves the heartbeat its room") {
+TEST_CASE("a refusal with every possible reason leaves room for the heartbeat") {
   Ship s;
   s.world = 0;
   s.links.signing().start({1, 2, 3}, 1, 0);

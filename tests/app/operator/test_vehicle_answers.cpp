@@ -9,7 +9,7 @@
 namespace flotilla::app {
 namespace {
 
-TEST_CASE("every message that is asked for comes after its one ACK, in the same tick") {
+TEST_CASE("every requested message follows its one ACK, in the same tick") {
   for (const std::uint16_t id : testing::kEveryId) {
     Ship s;
     s.pass(0.05);
@@ -32,7 +32,7 @@ TEST_CASE("every message that is asked for comes after its one ACK, in the same 
   }
 }
 
-TEST_CASE("what there is not is unsupported, what there is not now comes later; nothing follows") {
+TEST_CASE("unknown messages are unsupported; messages without data yet come later") {
   Ship s;
   s.own_known = false;
   s.pass(0.05);
@@ -68,7 +68,7 @@ std::vector<int> references(Ship& s, int ticks, const std::function<bool(int)>& 
   return told;
 }
 
-TEST_CASE("the reference is told ten times a second, news or none, and on every link") {
+TEST_CASE("the reference is sent ten times a second, new or not, on every link") {
   Ship s;
   s.pass(1);
   CHECK(references(s, 1000, [](int) { return false; }).size() == 100);
@@ -83,7 +83,8 @@ TEST_CASE("the reference is told ten times a second, news or none, and on every 
   CHECK(links == static_cast<int>(s.heard.size()));
 }
 
-TEST_CASE("news goes on at once, up to half a turn early, but is never told twice as often") {
+TEST_CASE(
+    "a new reference is relayed at once, up to half an interval early, never at twice the rate") {
   Ship s;
   s.pass(1);
   while (references(s, 1, [](int) { return false; }).empty()) {
@@ -94,7 +95,7 @@ TEST_CASE("news goes on at once, up to half a turn early, but is never told twic
   for (const int k : told) CHECK(k % 10 == 6);
 }
 
-TEST_CASE("with SR_STATE 2 the reference is told four times a second, with 0 never") {
+TEST_CASE("with SR_STATE 2 the reference is sent four times a second, with 0 never") {
   for (const auto& [rate, times] : {std::pair{2.0F, 40U}, {0.0F, 0U}, {100.0F, 100U}}) {
     Parameters p;
     p.SR_STATE = rate;
@@ -104,7 +105,7 @@ TEST_CASE("with SR_STATE 2 the reference is told four times a second, with 0 nev
   }
 }
 
-TEST_CASE("what was set is in force before anything that was asked behind it") {
+TEST_CASE("a set parameter is in force before any later request is handled") {
   Ship s;
   s.tick();
   s.set("MAV_GCS_SYSID", 99);
@@ -128,7 +129,7 @@ TEST_CASE("what was set is in force before anything that was asked behind it") {
   CHECK(std::get<link::CommandAck>(ack->message).result == mav::kDenied);
 }
 
-TEST_CASE("however many parameters are set in a tick, all that is asked is answered, in order") {
+TEST_CASE("with any number of parameters set in a tick, all requests are answered, in order") {
   Ship s;
   s.tick();
   for (int k = 0; k < 6; ++k) {
@@ -144,7 +145,7 @@ TEST_CASE("however many parameters are set in a tick, all that is asked is answe
   CHECK(s.vehicle->parameters().LAW_KX == 0.375F);
 }
 
-TEST_CASE("a disarm behind any flood of requests is answered with the next tick") {
+TEST_CASE("a disarm behind any flood of requests is answered in the next tick") {
   constexpr std::uint32_t kSeed = 61;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -216,7 +217,7 @@ std::int32_t told_interval(Ship& s, std::uint16_t id) {
   return 0;
 }
 
-TEST_CASE("an interval that was accepted is told as it is, however long") {
+TEST_CASE("an accepted interval is reported as it is, however long") {
   Ship s;
   s.tick();
   for (const float us : {1e5F, 1e6F, 6e7F, 1e9F, 2.1e9F, 2.2e9F, 3e9F, 3.6e9F}) {
@@ -241,7 +242,7 @@ TEST_CASE("an interval that was accepted is told as it is, however long") {
   }
 }
 
-TEST_CASE("who asks before the first tick is told the same as later") {
+TEST_CASE("a request before the first tick gets the same answer as later") {
   Ship early, late;
   late.tick();
   for (Ship* s : {&early, &late}) {
@@ -262,7 +263,7 @@ TEST_CASE("who asks before the first tick is told the same as later") {
   CHECK(version(early) == version(late));
 }
 
-TEST_CASE("among however many requests of a tick, a disarm is heard and answered") {
+TEST_CASE("a disarm among any number of requests in a tick is obeyed and answered") {
   constexpr std::uint32_t kSeed = 61;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -288,7 +289,7 @@ TEST_CASE("among however many requests of a tick, a disarm is heard and answered
   }
 }
 
-TEST_CASE("pings, clocks and missions are answered to who asked, on his link alone") {
+TEST_CASE("pings, TIMESYNC and mission requests are answered to their sender, on his link alone") {
   Ship s;
   s.tick();
   const std::int64_t read_us = s.now_us;

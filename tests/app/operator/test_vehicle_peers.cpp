@@ -7,7 +7,7 @@
 namespace flotilla::app {
 namespace {
 
-TEST_CASE("where one ground station commands, no other does; all may read and stop") {
+TEST_CASE("where one ground station commands, no other does; all may read values and stop") {
   Parameters p;
   p.MAV_GCS_SYSID = 255;
   Ship s(p);
@@ -56,7 +56,7 @@ void ask_mode(Ship& s, link::MavlinkEncoder& who, float mode, std::size_t link,
   s.tick();
 }
 
-TEST_CASE("a request that comes on a slower link after a newer HOLD does not undo it") {
+TEST_CASE("a request delayed by a slower link does not undo a newer HOLD") {
   Ship s;
   s.bring_to(State::kFormation);
   ask_mode(s, s.operator_, 4, 0);
@@ -74,7 +74,7 @@ TEST_CASE("a request that comes on a slower link after a newer HOLD does not und
   CHECK(s.state() == State::kFormation);
 }
 
-TEST_CASE("who sends a HOLD on two links may undo it on either") {
+TEST_CASE("an operator who sends HOLD on two links may undo it on either") {
   Ship s;
   s.bring_to(State::kFormation);
   ask_mode(s, s.operator_, 4, 0);
@@ -83,8 +83,7 @@ TEST_CASE("who sends a HOLD on two links may undo it on either") {
   CHECK(s.state() == State::kFormation);
 }
 
-TEST_CASE(
-    "a request that is sent again does not undo another operator's newer HOLD, but one's own") {
+TEST_CASE("a repeated request does not undo another operator's newer HOLD, but undoes one's own") {
   Ship s;
   s.bring_to(State::kFormation);
   ask_mode(s, s.stranger, 4, 0);
@@ -97,7 +96,7 @@ TEST_CASE(
   CHECK(s.state() == State::kFormation);
 }
 
-TEST_CASE("what is meant for others is neither done nor answered") {
+TEST_CASE("commands for other vehicles are neither executed nor answered") {
   Ship s;
   s.tick();
   for (const link::Address to : {link::Address{2, 1}, {1, 2}, {2, 0}, {255, 190}}) {
@@ -111,7 +110,7 @@ TEST_CASE("what is meant for others is neither done nor answered") {
   CHECK(s.vehicle->parameters().FORM_OFS_N == 0);
 }
 
-TEST_CASE("a companion leaves to the autopilot what is asked of the whole system, but for stops") {
+TEST_CASE("a companion leaves requests to the whole system to the autopilot, except stops") {
   Parameters p;
   p.MAV_IDENTITY = 1;
   p.MAV_COMPID = 191;
@@ -142,8 +141,7 @@ TEST_CASE("a companion leaves to the autopilot what is asked of the whole system
   CHECK(s.state() == State::kDisarmed);
 }
 
-TEST_CASE(
-    "a companion speaks under its autopilot's id once it knows it, and says that it changed") {
+TEST_CASE("a companion sends under its autopilot's id once it knows it, and reports the change") {
   Parameters p;
   p.MAV_IDENTITY = 1;
   p.MAV_COMPID = 191;
@@ -171,7 +169,7 @@ TEST_CASE(
 
 // Parameters.
 
-TEST_CASE("no parameter changes the mode, whatever file a client loads") {
+TEST_CASE("no parameter changes the mode, whatever parameter file a client loads") {
   Ship s;
   s.command(mav::kCmdComponentArmDisarm, 1);
   s.tick();
@@ -189,7 +187,7 @@ TEST_CASE("no parameter changes the mode, whatever file a client loads") {
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
 }
 
-TEST_CASE("a parameter that was set is a change once, and a request to save it, once") {
+TEST_CASE("setting a parameter is reported once as a change, and once as a request to save") {
   Ship s;
   s.tick();
   CHECK_FALSE(s.take_change());
@@ -209,7 +207,7 @@ TEST_CASE("a parameter that was set is a change once, and a request to save it, 
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
 }
 
-TEST_CASE("what an operator confirms is more than what he changed, in either order") {
+TEST_CASE("a confirmation prevails over a changed parameter, in either order") {
   for (const bool confirm_first : {true, false}) {
     Ship s;
     s.tick();
@@ -231,8 +229,7 @@ TEST_CASE("what an operator confirms is more than what he changed, in either ord
 
 // Telling.
 
-TEST_CASE(
-    "a sentence of any length comes whole to every link, in chunks as the protocol has them") {
+TEST_CASE("a text of any length reaches every link completely, in chunks as the protocol says") {
   std::uint16_t last_id = 0;
   Ship s(Parameters{}, 3);
   for (std::size_t length = 0; length <= 200; ++length) {
@@ -270,7 +267,7 @@ TEST_CASE(
   CHECK(s.counters.mavlink_not_sent == 0);
 }
 
-TEST_CASE("an endless sentence is cut off, not a crash") {
+TEST_CASE("an endless text is cut off and does not crash") {
   Ship s;
   s.vehicle->begin(s.now_us, kTick_us);
   s.vehicle->texts().send(5, {std::string(500, 'x'), std::string(500, 'y')}, s.counters);
@@ -281,7 +278,7 @@ TEST_CASE("an endless sentence is cut off, not a crash") {
   CHECK(whole == std::string(200, 'x'));
 }
 
-TEST_CASE("heartbeats and requests for the time leave once a second on every link") {
+TEST_CASE("heartbeats and TIMESYNC requests are sent once a second on every link") {
   Ship s;
   std::size_t beats = 0, requests = 0;
   for (int k = 0; k < 1000; ++k) {
@@ -324,7 +321,7 @@ TEST_CASE("another sender under our ids is reported every ten seconds; our own e
   CHECK(reports == 3);
 }
 
-TEST_CASE("what names another is handed on unchanged to where he was heard") {
+TEST_CASE("a message for another vehicle is forwarded unchanged to the link where it was heard") {
   Ship s(Parameters{}, 3);
   link::MavlinkEncoder sister({2, 1});
   s.hear(sister, link::Heartbeat{4, 11, 3, 1, 3}, 1);
@@ -343,7 +340,7 @@ TEST_CASE("what names another is handed on unchanged to where he was heard") {
   CHECK(s.state() == State::kDisarmed);
 }
 
-TEST_CASE("what is no request and nothing of the vehicle's is left to the boat") {
+TEST_CASE("messages that are no requests and not the vehicle's own are left to the boat") {
   Ship s;
   s.hear(s.stranger, link::LocalPositionNed{});
   s.hear(s.stranger, link::Timesync{5, 6});
@@ -358,7 +355,7 @@ TEST_CASE("what is no request and nothing of the vehicle's is left to the boat")
   CHECK(s.left_over[0].from == link::Address{99, 1});
 }
 
-TEST_CASE("a limited link hears the state before all else, and keeps to its limit") {
+TEST_CASE("a limited link gets the state before all else, and its limit is kept") {
   Ship s;
   s.links.bucket(0).limit(1500);
   s.pass(1);

@@ -10,7 +10,7 @@
 namespace flotilla::app {
 namespace {
 
-TEST_CASE("a time is the whole microseconds in it, of any float from 0 to 97 days") {
+TEST_CASE("a time is truncated to whole microseconds, for any float from 0 to 97 days") {
   constexpr std::uint32_t kSeed = 61;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -24,7 +24,7 @@ TEST_CASE("a time is the whole microseconds in it, of any float from 0 to 97 day
   CHECK(convert::microseconds(0.5F) == 500'000);
 }
 
-TEST_CASE("every id that a parameter may hold arrives as it is") {
+TEST_CASE("every id that a parameter may hold is read unchanged") {
   for (int id = 1; id <= 255; ++id) {
     Parameters p;
     p.MAV_SYSID = p.MAV_COMPID = p.FORM_LEADER = p.CAN_NODE = static_cast<float>(id);

@@ -48,7 +48,7 @@ TEST_CASE("the paper's vessel gets the paper's gains, to the last bit, and so th
   CHECK_FALSE(gain_fault({}));
 }
 
-TEST_CASE("a gain that an operator sets counts, also 0, and moves no other") {
+TEST_CASE("a gain set by an operator is used, even 0, and changes no other") {
   for (const float value : {0.0F, 0.07F, 0.7F}) {
     for (float Parameters::* gain :
          {&Parameters::LAW_KDU, &Parameters::LAW_KDR, &Parameters::LAW_OBS_BW,
@@ -63,7 +63,7 @@ TEST_CASE("a gain that an operator sets counts, also 0, and moves no other") {
   }
 }
 
-TEST_CASE("derived gains are damped and valid, and fit, on any boat") {
+TEST_CASE("derived gains give a damped loop and are valid, on any boat") {
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
   for (int i = 0; i < 2000; ++i) {
@@ -105,7 +105,7 @@ TEST_CASE("a heavy boat of unknown lag gets slower loops than with none") {
   CHECK(unknown.LAW_KDR < none.LAW_KDR / 4);
 }
 
-TEST_CASE("each kind of gain fault is named with the time constants that do not go together") {
+TEST_CASE("each kind of gain conflict is reported with its time constants") {
   Parameters p;  // an Otter
   p.VES_M11 = 85.28F;
   p.VES_M33 = 41.45F;

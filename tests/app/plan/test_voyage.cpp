@@ -209,7 +209,7 @@ TEST_CASE("the random sequence is as long as its 63 words and has as many sides,
   CHECK(windows.size() == sides.size() - 5);
 }
 
-TEST_CASE("a step that a gust cuts off is repeated from its room's middle") {
+TEST_CASE("a step cut short by a gust is repeated from the middle of its room") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(kVoyageSteps.size()));
   sea.drift_mps = sea.east_m < 0 ? -1.5 : 1.5;
@@ -225,7 +225,7 @@ TEST_CASE("a step that a gust cuts off is repeated from its room's middle") {
   CHECK(sea.news.back().step == kVoyageSteps.size());
 }
 
-TEST_CASE("a step for which there is never room is left out after three tries, and told") {
+TEST_CASE("a step without room is skipped after three tries, and reported") {
   Sea<float> sea(room(10));
   sea.sail(6000);
   REQUIRE(sea.voyage.is_over());
@@ -288,7 +288,7 @@ TEST_CASE("the fence cuts a step off as its room does") {
   CHECK(sea.news.back().what == "the fence");
 }
 
-TEST_CASE("a boat that waits has no thrust, and sails the step anew without losing a try") {
+TEST_CASE("a boat that waits has no thrust, and repeats the step without losing a try") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(2));
   for (int pause = 0; pause < 5; ++pause) {
@@ -305,7 +305,7 @@ TEST_CASE("a boat that waits has no thrust, and sails the step anew without losi
   }
 }
 
-TEST_CASE("goes on with the step where it was interrupted; another plan begins anew") {
+TEST_CASE("continues with the interrupted step; another plan starts from the beginning") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(4));
   sea.sail(1);
@@ -345,7 +345,7 @@ TEST_CASE("a boat that does not come back is lost and stops") {
   }
 }
 
-TEST_CASE("a plan's voyage needs a place, a share of thrust and a room that make sense") {
+TEST_CASE("a plan's voyage needs a valid position, share of thrust and room") {
   const PlanDefaults defaults{.speed_mps = 0.5F, .radius_m = 2, .fastest_mps = 1.5F, .room_m = 60};
   const auto result = [&](const PlanItem& item) {
     return fault_of_last({&item, 1}, defaults).result;
@@ -369,7 +369,7 @@ TEST_CASE("a plan's voyage needs a place, a share of thrust and a room that make
   CHECK(room_of(voyage_item(0.5F, 30), defaults, {1, 0.5F, 2}).share == 0.5F);
 }
 
-TEST_CASE("the plan is read up to a voyage, and on from there where it begins with it") {
+TEST_CASE("the plan is read up to a voyage, and beyond it if reading begins there") {
   const std::array plan{waypoint(410'000'000), voyage_item(), waypoint(410'001'000)};
   PlanReader reader;
   reader.begin(plan, 0, {.speed_mps = 0.5F, .radius_m = 2});

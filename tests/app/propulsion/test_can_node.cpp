@@ -98,7 +98,7 @@ TEST_CASE("every tick has a RawCommand, ArmingStatus comes at 10 Hz, NodeStatus 
   CHECK(status == 10);
 }
 
-TEST_CASE("arming and disarming are told with the very tick, not with the next tenth of a second") {
+TEST_CASE("arming and disarming are sent in the same tick, not in the next tenth of a second") {
   CanNode node({20, 1}, 0);
   link::Counters counters;
   for (int k = 0; k < 100; ++k) {
@@ -111,7 +111,7 @@ TEST_CASE("arming and disarming are told with the very tick, not with the next t
   }
 }
 
-TEST_CASE("who asks for node info gets one answer, with the number of the question") {
+TEST_CASE("a GetNodeInfo request gets one answer, with the request's transfer id") {
   CanNode node({20, 7}, 0);
   link::Counters counters;
   const link::Route question{24, link::TransferKind::kRequest, 1, 127, 20};
@@ -136,7 +136,7 @@ TEST_CASE("who asks for node info gets one answer, with the number of the questi
   }
 }
 
-TEST_CASE("our own frames that come back, and those of nobody, are not taken for an ESC's") {
+TEST_CASE("echoes of our own frames, and anonymous frames, are not taken for an ESC's") {
   CanNode node({20, 1}, 0);
   link::Counters counters;
   for (const std::uint8_t sender : std::initializer_list<std::uint8_t>{0, 20}) {
@@ -147,7 +147,7 @@ TEST_CASE("our own frames that come back, and those of nobody, are not taken for
   CHECK_FALSE(node.esc_online(1, 0, kLimit_us));
 }
 
-TEST_CASE("a stop on the bus is pressed while it says so, and where a safety switch falls silent") {
+TEST_CASE("a bus stop switch is pressed while it reports so, and when a safety switch is silent") {
   CanNode node({20, 1}, 0);
   link::Counters counters;
   std::uint8_t tail = 0xC0;

@@ -45,7 +45,7 @@ struct Bus {
   }
 };
 
-TEST_CASE("whoever else commands or arms ESCs is known for two seconds, even under our own id") {
+TEST_CASE("another node that commands or arms ESCs is known for two seconds, even under our id") {
   for (const std::uint8_t from : {std::uint8_t{55}, std::uint8_t{20}}) {
     Bus bus;
     CHECK_FALSE(bus.node.foreign_controller(0));
@@ -60,7 +60,7 @@ TEST_CASE("whoever else commands or arms ESCs is known for two seconds, even und
   }
 }
 
-TEST_CASE("an ESC's status or its node's that is too short is counted and says nothing") {
+TEST_CASE("an ESC's status or node status that is too short is counted and ignored") {
   Bus bus;
   bus.bytes({16, link::TransferKind::kMessage, 1034, 30, 0}, link::EscStatus::kType,
             std::array<std::uint8_t, 5>{}, 0);
@@ -102,7 +102,7 @@ TEST_CASE("an ESC that rebooted is offline for half a second: it has to see zero
   CHECK(bus.online(2 * kSecond_us + 500'000));
 }
 
-TEST_CASE("an ESC's node in another mode than operational, or not healthy, is not to be driven") {
+TEST_CASE("an ESC whose node is not operational or not healthy may not be driven") {
   for (const auto& [health, mode] : {std::pair{0, 2}, std::pair{1, 0}, std::pair{3, 7}}) {
     Bus bus;
     bus.esc(30, 0);
@@ -114,7 +114,7 @@ TEST_CASE("an ESC's node in another mode than operational, or not healthy, is no
   }
 }
 
-TEST_CASE("more who ask for node info than a tick answers are counted, not answered") {
+TEST_CASE("more GetNodeInfo requests than a tick can answer are counted, not answered") {
   Bus bus;
   for (std::uint8_t asker = 100; asker < 106; ++asker) {
     bus.bytes({24, link::TransferKind::kRequest, 1, asker, 20}, link::NodeInfo::kRequest, {}, 0);
@@ -140,8 +140,7 @@ TEST_CASE("a transfer that finds no room in a tick is dropped whole and counted"
   CHECK(bus.counters.can_not_sent == 3);
 }
 
-TEST_CASE(
-    "a node without an id is given one over the bus; another allocator's answer is not ours") {
+TEST_CASE("a node without an id gets one over the bus; another allocator's answer is ignored") {
   Bus bus;
   constexpr std::array<std::uint8_t, 3> kParts{6, 6, 4};
   std::vector<link::Allocation> told;

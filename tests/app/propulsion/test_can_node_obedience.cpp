@@ -61,8 +61,7 @@ struct Bus {
   bool obey() const { return node.escs_obey(0, 1, now_us); }
 };
 
-TEST_CASE(
-    "a propeller rests where its ESC counts no turns, but not where it has never counted any") {
+TEST_CASE("a propeller is at rest if its ESC reports no turns, unless it never reported any") {
   Bus bus;
   bus.run(1);
   CHECK_FALSE(bus.node.rests(0));
@@ -75,7 +74,7 @@ TEST_CASE(
   CHECK_FALSE(bus.node.rests(1));
 }
 
-TEST_CASE("an ESC that drives while disarmed is found out within a second") {
+TEST_CASE("an ESC that drives while disarmed is detected within a second") {
   Bus bus;
   CHECK(bus.run(3) == -1);
   bus.power_pct = 50;
@@ -89,7 +88,7 @@ TEST_CASE("an ESC that drives while disarmed is found out within a second") {
   CHECK(told.run(3) > 0);
 }
 
-TEST_CASE("an ESC that is told to turn may, and has a second to stop when it is told to") {
+TEST_CASE("an ESC commanded to turn may turn, and has a second to stop when commanded") {
   Bus bus;
   bus.armed = true;
   bus.port_command = 4000;
@@ -102,7 +101,7 @@ TEST_CASE("an ESC that is told to turn may, and has a second to stop when it is 
   CHECK(after_s <= 1.2);
 }
 
-TEST_CASE("a propeller that water turns runs down, one that goes on for five seconds is driven") {
+TEST_CASE("a propeller turned by water runs down; one still turning after 5 s is driven") {
   for (const std::int32_t rpm : {2000, -2000}) {  // the sign is unreliable
     Bus bus;
     bus.armed = true;
@@ -119,7 +118,7 @@ TEST_CASE("a propeller that water turns runs down, one that goes on for five sec
   }
 }
 
-TEST_CASE("a propeller that water turns all day is left alone if its ESC measures no current") {
+TEST_CASE("a propeller turned by water is accepted for any time if its ESC measures no current") {
   Bus bus;
   bus.armed = true;
   bus.port_command = 4000;
@@ -158,7 +157,7 @@ TEST_CASE("an ESC obeys again a second after it stands still") {
   CHECK(ticks <= 110);
 }
 
-TEST_CASE("a single word of power, or two a second apart, is no disobedience") {
+TEST_CASE("one report of power, or two a second apart, is no disobedience") {
   Bus bus;
   for (int k = 0; k < 20; ++k) {
     bus.power_pct = 50;
@@ -168,7 +167,7 @@ TEST_CASE("a single word of power, or two a second apart, is no disobedience") {
   }
 }
 
-TEST_CASE("an ESC that drives no propeller of ours may do what it likes") {
+TEST_CASE("an ESC that drives none of our propellers is ignored") {
   Bus bus;
   bus.run(1);
   for (int k = 0; k < 100; ++k) {

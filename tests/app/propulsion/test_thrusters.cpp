@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("a weak port propeller is commanded more, a strong starboard 
   }
 }
 
-TEST_CASE("the law asks of both propellers only what the weaker one has, whichever it is") {
+TEST_CASE("the law asks both propellers only for the weaker one's thrust, whichever it is") {
   for (const float balance : {-0.2F, 0.2F}) {
     Parameters p;
     p.THR_BALANCE = balance;
@@ -80,8 +80,9 @@ TEST_CASE_TEMPLATE("a propeller that turns the other way gets the other sign and
   CHECK(reversed.thrust.stbd == straight.thrust.stbd);
 }
 
-TEST_CASE_TEMPLATE("starting takes its time, stopping does not, and the next start is from zero", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "starting is limited by the slew rate, stopping is not; the next start is from zero", S, float,
+    double) {
   Parameters p;
   p.THR_SLEW = 5;
   auto thrusters = thrusters_of<S>(p);
@@ -103,7 +104,7 @@ TEST_CASE_TEMPLATE("starting takes its time, stopping does not, and the next sta
   CHECK(std::abs(thrusters.step(true, full, S(0.01)).raw.cmd[0] - 0.05 * 8191) <= 1);
 }
 
-TEST_CASE_TEMPLATE("what is given is what the commands as sent will give", S, float, double) {
+TEST_CASE_TEMPLATE("the thrust reported is the thrust of the commands as sent", S, float, double) {
   constexpr std::uint32_t kSeed = 62;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);

@@ -67,13 +67,13 @@ TEST_CASE("a boat at rest, or one that goes straight on, says nothing of its uni
   }
 }
 
-TEST_CASE("a later unit than any hypothesis counts as one that is as late as the last of them") {
+TEST_CASE("a latency beyond all hypotheses counts as the greatest of them") {
   Turning boat{.tau_s = 0.8, .period_s = 0.05};
   boat.sail(60);
   CHECK((!boat.late().known || boat.late().tau > 0.4F));
 }
 
-TEST_CASE("the impulse between two instants is the same whatever the ticks are long") {
+TEST_CASE("the impulse between two instants does not depend on the length of the ticks") {
   // n grows by 1 rad/s² a second: 0 a second ago, 1 now
   const auto integral = [](float from, float to) {
     return from - to - 0.5F * (from * from - to * to);

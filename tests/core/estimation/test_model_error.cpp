@@ -50,8 +50,7 @@ void check_near(const Share<S>& share, double truth, double most) {
   CHECK(std::abs(double(share.value) - truth) < 4 * std::sqrt(double(share.variance)));
 }
 
-TEST_CASE_TEMPLATE("in wind with gusts, what is wrong is found within ten minutes", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("in gusty wind, model errors are found within ten minutes", S, float, double) {
   std::mt19937 random{5};
   const auto between = [&](double least, double most) {
     return std::uniform_real_distribution<double>(least, most)(random);
@@ -75,7 +74,7 @@ TEST_CASE_TEMPLATE("in wind with gusts, what is wrong is found within ten minute
   }
 }
 
-TEST_CASE("on one course nothing is known, however long it is sailed: the wind explains it too") {
+TEST_CASE("on a single course no error is found, however long: wind could explain it too") {
   UnlikeHull hull{.drag = 2, .balance = 0.06};
   Learner<float> learner;
   learner.sail(hull, 30, 0);
@@ -110,7 +109,7 @@ TEST_CASE("gusts alike from block to block make it less sure than as much noise 
   CHECK(drag_error(gusty.state).variance > 2 * drag_error(calm.state).variance);
 }
 
-TEST_CASE("a share that the model has taken over is no longer its error") {
+TEST_CASE("a share of the error that the model has adopted no longer counts as its error") {
   UnlikeHull hull{.drag = 1.5, .balance = 0.06};
   Learner<double> learner;
   learner.sail(hull, 5, 1.2);

@@ -17,7 +17,7 @@ ObserverParams<S> raw() {
   return {};
 }
 
-TEST_CASE_TEMPLATE("a boat is where its model takes it under the thrust that it gives", S, float,
+TEST_CASE_TEMPLATE("the boat's position follows its model under the thrust it gives", S, float,
                    double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -103,8 +103,7 @@ TEST_CASE_TEMPLATE("an old fix is carried forward to now", S, float, double) {
   CHECK(late.motion.nu.r == at_once.motion.nu.r);
 }
 
-TEST_CASE_TEMPLATE("a boat that is towed, or whose damping is mistaken, is found out", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("towing, or wrong damping, is detected", S, float, double) {
   // At 0.6 m/s without thrust: the model would have it stop within a second.
   const Vessel<S> vessel = testing::papers_vessel<S>();
   Observer<S> state;
@@ -118,7 +117,7 @@ TEST_CASE_TEMPLATE("a boat that is towed, or whose damping is mistaken, is found
   CHECK(worst < 0.01);
 }
 
-TEST_CASE_TEMPLATE("the first fix, and one after a gap, is believed as it is", S, float, double) {
+TEST_CASE_TEMPLATE("the first fix, and one after a gap, is taken as it is", S, float, double) {
   Random random(kSeed);
   const Vessel<S> vessel = testing::papers_vessel<S>();
   Observer<S> state;
@@ -139,8 +138,7 @@ TEST_CASE_TEMPLATE("the first fix, and one after a gap, is believed as it is", S
   CHECK(state.c_n.x == S(0.1));  // the current remains
 }
 
-TEST_CASE_TEMPLATE("in a current the boat is where the water and its thrust take it", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("in a current the boat moves with the water and its thrust", S, float, double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int run = 0; run < 100; ++run) {
@@ -166,7 +164,7 @@ TEST_CASE_TEMPLATE("in a current the boat is where the water and its thrust take
   }
 }
 
-TEST_CASE_TEMPLATE("a moment before, the boat was a moment back", S, float, double) {
+TEST_CASE_TEMPLATE("moment_before gives the motion a moment earlier", S, float, double) {
   const Motion<S> now{{S(1), S(2)}, S(0), {S(0.5), S(0), S(0.1)}, {}};
   const Motion<S> before = moment_before(now, S(0.001));
   CHECK(double(before.moved_n.x) == doctest::Approx(0.9995));

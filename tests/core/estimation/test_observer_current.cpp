@@ -33,8 +33,8 @@ TEST_CASE_TEMPLATE("on a straight leg the boat finds the current across it, on a
   }
 }
 
-TEST_CASE_TEMPLATE("the slower a boat is to believe in a current, the later it has found it", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("the slower the current estimate, the later the current is found", S, float,
+                   double) {
   for (const double omega_c : {0.05, 0.1, 0.2}) {
     Watched<S> boat;
     boat.params.omega_c = S(omega_c);

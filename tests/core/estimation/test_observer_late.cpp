@@ -78,8 +78,8 @@ TEST_CASE_TEMPLATE("the boat remembers half a second at any rate of ticks", S, f
   }
 }
 
-TEST_CASE_TEMPLATE("before what it remembers, the boat gave what it remembers as the first", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("before its memory begins, the boat is assumed to have given the oldest wrench",
+                   S, float, double) {
   const auto steady = [](double) { return Tau<double>{3, 0.4}; };
   const auto before_too = [](double t) {
     return t < 1.5 ? Tau<double>{-9, 3} : Tau<double>{3, 0.4};
@@ -136,8 +136,8 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("LAW_OBS_BW or LAW_CUR_BW set to 0 on the way: nothing is assumed any more", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("LAW_OBS_BW or LAW_CUR_BW set to 0 under way: the estimate is dropped", S, float,
+                   double) {
   const auto leader = testing::voyage(testing::s_curve, 0.01, 32);
   for (const bool forces : {true, false}) {
     auto params = testing::products_law<S>();

@@ -40,8 +40,8 @@ TEST_CASE_TEMPLATE("a constant force and moment are found, the later the smaller
   }
 }
 
-TEST_CASE_TEMPLATE("what weak propellers cannot give is not taken for a force of the sea", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("thrust that weak propellers cannot give is not taken for an external force", S,
+                   float, double) {
   const AllocationParams<double> propellers{0.25, 20, 20};
   const auto asked = [](double t) {
     return Tau<double>{80 * std::sin(0.4 * t), 15 * std::sin(0.9 * t)};
@@ -60,7 +60,7 @@ TEST_CASE_TEMPLATE("what weak propellers cannot give is not taken for a force of
   CHECK(wound_up > 19.9);  // the limit; it is reached with the wrench before allocation
 }
 
-TEST_CASE_TEMPLATE("no fix, however absurd, makes the sea or its current greater than they can be",
+TEST_CASE_TEMPLATE("no fix, however absurd, takes the estimated force or current beyond its limit",
                    S, float, double) {
   constexpr std::uint32_t kSeed = 42;
   INFO("seed ", kSeed);
@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("no fix, however absurd, makes the sea or its current greater
   CHECK(std::abs(state.motion.nu.u) <= S(50));
 }
 
-TEST_CASE_TEMPLATE("a boat that knows no unknown forces believes its fixes as they are", S, float,
+TEST_CASE_TEMPLATE("a boat that estimates no unknown forces takes its fixes as they are", S, float,
                    double) {
   Watched<S> boat;
   boat.params.omega = S(0);

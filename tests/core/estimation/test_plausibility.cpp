@@ -26,7 +26,7 @@ bool jumps(const Leg<S>& leg, double scatter = 0) {
   return S(1) < innovation_of(any_vessel<S>(), leg, S(scatter)).share;
 }
 
-TEST_CASE_TEMPLATE("a vessel that goes where its velocity leads is no surprise", S, float, double) {
+TEST_CASE_TEMPLATE("a vessel that moves as its velocity says is no jump", S, float, double) {
   const auto innovation = innovation_of(any_vessel<S>(), sails<S>(), S(0));
   CHECK(double(innovation.off) < 1e-6);
   CHECK(double(innovation.share) < 1e-6);
@@ -48,7 +48,8 @@ TEST_CASE_TEMPLATE("a place, a heading, a velocity or a yaw rate too far off is 
   CHECK(jumps(turn));
 }
 
-TEST_CASE_TEMPLATE("whoever runs aground stops at once, and that is no jump", S, float, double) {
+TEST_CASE_TEMPLATE("a vessel that runs aground stops at once, and that is no jump", S, float,
+                   double) {
   auto leg = sails<S>();
   leg.from = {S(12), S(0), S(6)};
   leg.to = {};
@@ -59,7 +60,7 @@ TEST_CASE_TEMPLATE("whoever runs aground stops at once, and that is no jump", S,
   CHECK(jumps(leg));
 }
 
-TEST_CASE_TEMPLATE("the longer nothing was heard, the farther a vessel may be", S, float, double) {
+TEST_CASE_TEMPLATE("the longer the silence, the farther away a vessel may be", S, float, double) {
   auto leg = sails<S>();
   leg.moved_n.x = S(12);
   CHECK(jumps(leg));
@@ -69,7 +70,8 @@ TEST_CASE_TEMPLATE("the longer nothing was heard, the farther a vessel may be", 
   CHECK(jumps(leg));
 }
 
-TEST_CASE_TEMPLATE("where places commonly differ, a place may differ more", S, float, double) {
+TEST_CASE_TEMPLATE("where positions commonly scatter, a position may differ more", S, float,
+                   double) {
   auto leg = sails<S>();
   leg.moved_n.x = S(3);
   CHECK(jumps(leg));
@@ -83,7 +85,8 @@ TEST_CASE_TEMPLATE("a heading that passes south is no jump", S, float, double) {
   CHECK_FALSE(jumps(leg));
 }
 
-TEST_CASE_TEMPLATE("what hardly moves is never a jump, whatever else it tells", S, float, double) {
+TEST_CASE_TEMPLATE("a small move is never a jump, whatever else the message says", S, float,
+                   double) {
   std::mt19937 engine(5);
   int hardly = 0;
   for (int i = 0; i < 200'000; ++i) {

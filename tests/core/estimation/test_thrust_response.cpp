@@ -53,7 +53,7 @@ double not_answering_after(const Sailing& how) {
   return -1;
 }
 
-TEST_CASE_TEMPLATE("a boat that sails as it is told answers, in noise and against a drag", S, float,
+TEST_CASE_TEMPLATE("a boat that moves as commanded answers, in noise and against drag", S, float,
                    double) {
   CHECK(not_answering_after<S>({}) == -1);
   CHECK(not_answering_after<S>({.noise = 3.2}) == -1);
@@ -88,8 +88,7 @@ TEST_CASE_TEMPLATE("propellers that turn the other way are seen within three sec
   }
 }
 
-TEST_CASE_TEMPLATE("who is given nothing, or next to nothing, is not asked to move", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a boat with little or no thrust is not required to move", S, float, double) {
   ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
@@ -104,8 +103,8 @@ TEST_CASE_TEMPLATE("who is given nothing, or next to nothing, is not asked to mo
 }
 
 TEST_CASE_TEMPLATE(
-    "a boat that stands in a stream as it shall answers, one that shall go on does not", S, float,
-    double) {
+    "a boat at rest in a current answers if it is meant to stay, not if it is meant to move", S,
+    float, double) {
   ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
@@ -123,8 +122,8 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("a boat that was seen not to answer is asked anew some seconds after it stopped",
-                   S, float, double) {
+TEST_CASE_TEMPLATE("a boat that did not answer is tested again some seconds after it stopped", S,
+                   float, double) {
   ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};

@@ -55,7 +55,7 @@ TEST_CASE_TEMPLATE("a turning leader is carried forward along its circle", S, fl
   }
 }
 
-TEST_CASE("at any age the velocity's slope is the acceleration and the heading's the yaw rate") {
+TEST_CASE("at any age, the derivative of velocity is the acceleration, of heading the yaw rate") {
   constexpr std::uint32_t kSeed = 51;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -75,7 +75,8 @@ TEST_CASE("at any age the velocity's slope is the acceleration and the heading's
   }
 }
 
-TEST_CASE_TEMPLATE("a leader's jerk is carried for no longer than a second", S, float, double) {
+TEST_CASE_TEMPLATE("a leader's jerk is extrapolated for no longer than a second", S, float,
+                   double) {
   constexpr std::uint32_t kSeed = 52;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -93,7 +94,7 @@ TEST_CASE_TEMPLATE("a leader's jerk is carried for no longer than a second", S, 
   }
 }
 
-TEST_CASE_TEMPLATE("a message of age zero says where the vessel is, not where it may be", S, float,
+TEST_CASE_TEMPLATE("a message of age zero gives the position without uncertainty", S, float,
                    double) {
   Random random(53);
   const auto state = arbitrary_state<S>(random);
@@ -108,7 +109,7 @@ TEST_CASE_TEMPLATE("a message of age zero says where the vessel is, not where it
   CHECK(never_heard.nu.u == S(0));
 }
 
-TEST_CASE_TEMPLATE("the older the message, the less it says where the leader is", S, float,
+TEST_CASE_TEMPLATE("the older the message, the less certain the leader's position", S, float,
                    double) {
   Random random(54);
   for (int i = 0; i < 200; ++i) {

@@ -30,7 +30,7 @@ struct Steady {
   double psi(double t) const { return psi_0 + nu_0 * t + a * t * t / 2 + j * t * t * t / 6; }
 };
 
-TEST_CASE_TEMPLATE("behind a steady jerk there is no lag, however the messages come", S, float,
+TEST_CASE_TEMPLATE("a steady jerk is tracked without lag, whatever the message spacing", S, float,
                    double) {
   constexpr std::uint32_t kSeed = 20;
   INFO("seed ", kSeed);
@@ -55,8 +55,7 @@ TEST_CASE_TEMPLATE("behind a steady jerk there is no lag, however the messages c
   }
 }
 
-TEST_CASE_TEMPLATE("a leader's leap in speed is forgotten as the three poles say", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a leader's jump in speed decays with the three poles", S, float, double) {
   const TrackParams<S> params;
   for (const double dt : {0.01, 0.05, 0.1, 0.2, 0.5, 0.95}) {
     INFO("a message each ", dt, " s");
@@ -91,7 +90,7 @@ TEST_CASE_TEMPLATE("a leader that turns past south keeps its heading", S, float,
   }
 }
 
-TEST_CASE_TEMPLATE("messages at no distance in time, or backwards, do no harm", S, float, double) {
+TEST_CASE_TEMPLATE("messages with equal or backward times do no harm", S, float, double) {
   for (const double dt : {0.0, -0.1, -1e6}) {
     TrackState<S> state;
     track_update(TrackParams<S>{}, state, {S(0.1), {S(1), S(0), S(0)}, S(0)});
@@ -105,8 +104,8 @@ TEST_CASE_TEMPLATE("messages at no distance in time, or backwards, do no harm", 
   }
 }
 
-TEST_CASE_TEMPLATE("whatever a vessel says, its track stays within what a vessel can do", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("whatever a vessel reports, its track stays within the limits of a vessel", S,
+                   float, double) {
   constexpr std::uint32_t kSeed = 21;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -129,7 +128,7 @@ TEST_CASE_TEMPLATE("whatever a vessel says, its track stays within what a vessel
   }
 }
 
-TEST_CASE_TEMPLATE("after a gap the old acceleration, jerk and surprise are forgotten", S, float,
+TEST_CASE_TEMPLATE("after a gap the old acceleration, jerk and innovation are discarded", S, float,
                    double) {
   const TrackParams<S> params;
   TrackState<S> state;
@@ -146,8 +145,7 @@ TEST_CASE_TEMPLATE("after a gap the old acceleration, jerk and surprise are forg
   CHECK(state.dt == S(0));
 }
 
-TEST_CASE_TEMPLATE("told by another source, a vessel goes on with the acceleration that it had", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a vessel reported by another source keeps its acceleration", S, float, double) {
   for (const double silence : {0.1, 1.9, 2.5, 0.0}) {
     TrackState<S> state;
     track_update(TrackParams<S>{}, state, {S(0), {S(0), S(0), S(0)}, S(0)});
@@ -166,8 +164,8 @@ TEST_CASE_TEMPLATE("told by another source, a vessel goes on with the accelerati
   }
 }
 
-TEST_CASE_TEMPLATE("a leader that surprises may be farther off than one that sails steadily", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("an unpredictable leader gets a larger uncertainty than a steady one", S, float,
+                   double) {
   Random random(22);
   TrackState<S> steady, wild;
   for (int k = 0; k < 50; ++k) {
@@ -187,7 +185,7 @@ TEST_CASE_TEMPLATE("a leader that surprises may be farther off than one that sai
   CHECK(wild.a == TrackParams<S>{}.a_min);  // it counts as steady again
 }
 
-TEST_CASE_TEMPLATE("behind the S-curve the leader is never farther off than it may be", S, float,
+TEST_CASE_TEMPLATE("on the S-curve the leader's error never exceeds its uncertainty", S, float,
                    double) {
   for (const double dt : {0.05, 0.2, 0.5}) {
     for (const double age : {0.2, 0.5, 1.0, 2.0}) {

@@ -6,7 +6,7 @@
 namespace flotilla::core {
 namespace {
 
-TEST_CASE_TEMPLATE("a vessel that nothing was known of is where its other source has it", S, float,
+TEST_CASE_TEMPLATE("an unknown vessel starts at the position from its other source", S, float,
                    double) {
   TrackState<S> state;
   track_resume(TrackParams<S>{}, state, {S(1), {S(2), S(0), S(0.5)}, S(0.1)});

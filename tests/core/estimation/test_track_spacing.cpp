@@ -24,8 +24,7 @@ double worst_of_bursts(int in_burst, std::uint32_t seed) {
   return worst;
 }
 
-TEST_CASE_TEMPLATE("two or three messages a millisecond apart do not throw the speed off", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("messages a millisecond apart do not disturb the speed", S, float, double) {
   for (const std::uint32_t seed : {3U, 4U, 5U}) {
     INFO("seed ", seed);
     CHECK(worst_of_bursts<S>(2, seed) < 0.12);
@@ -33,7 +32,7 @@ TEST_CASE_TEMPLATE("two or three messages a millisecond apart do not throw the s
   }
 }
 
-TEST_CASE_TEMPLATE("no spacing of messages takes a track beyond what a vessel can do", S, float,
+TEST_CASE_TEMPLATE("no spacing of messages takes a track beyond the limits of a vessel", S, float,
                    double) {
   constexpr std::uint32_t kSeed = 21;
   INFO("seed ", kSeed);
@@ -53,7 +52,7 @@ TEST_CASE_TEMPLATE("no spacing of messages takes a track beyond what a vessel ca
   CHECK(acceleration < 1000);
 }
 
-TEST_CASE("in Q16 no spacing of messages is beyond the scalar's range") {
+TEST_CASE("in Q16 no spacing of messages overflows") {
   for (int raw = 1; raw < 1000; ++raw) {
     CAPTURE(raw);
     q16_overflow = false;
@@ -66,8 +65,8 @@ TEST_CASE("in Q16 no spacing of messages is beyond the scalar's range") {
   q16_overflow = false;
 }
 
-TEST_CASE_TEMPLATE("a message right after another says no more than its share of the time", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a message right after another counts only for its share of the time", S, float,
+                   double) {
   // β without cancellation: in float it is that of double for the shortest of spacings.
   for (const double dt : {1e-6, 1e-5, 1e-4, 1e-3}) {
     INFO("spacing ", dt, " s");

@@ -11,7 +11,8 @@
 namespace flotilla::core {
 namespace {
 
-TEST_CASE_TEMPLATE("a float carries the bits of a b", S, float, double) {
+TEST_CASE_TEMPLATE("a carried float product is the plain product, to the last bit", S, float,
+                   double) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(-10, 10);
   Carry<S> carry;
@@ -32,7 +33,7 @@ TEST_CASE(
   CHECK(turned > Q16(0.03));
 }
 
-TEST_CASE("what products of any sign add up to is never more than half an LSB off") {
+TEST_CASE("a sum of products of any sign is never more than half an LSB off") {
   std::mt19937 random(3);
   Carry<Q16> carry;
   std::int64_t sum = 0, exact = 0;
@@ -45,7 +46,7 @@ TEST_CASE("what products of any sign add up to is never more than half an LSB of
   }
 }
 
-TEST_CASE("port and starboard add up to mirror images, to the last bit") {
+TEST_CASE("sums for port and starboard are mirror images, to the last bit") {
   std::mt19937 random(2);
   Carry<Q16> port, stbd;
   for (int i = 0; i < 10'000; ++i) {
@@ -55,7 +56,7 @@ TEST_CASE("port and starboard add up to mirror images, to the last bit") {
   }
 }
 
-TEST_CASE("a product out of the range says so, and keeps its sign") {
+TEST_CASE("an overflowing product raises the flag and keeps its sign") {
   const Q16 least = Q16::of_raw(-0x7FFFFFFF - 1), most = Q16::of_raw(0x7FFFFFFF);
   for (const auto& [a, b, end] : {std::tuple{least, most, least}, {least, least, most}}) {
     q16_overflow = false;

@@ -121,7 +121,7 @@ TEST_CASE("sine and cosine together are those of each alone") {
   }
 }
 
-TEST_CASE("what is divided by zero is as large as can be, and the flag is up") {
+TEST_CASE("a division by zero gives the greatest number and raises the flag") {
   q16_overflow = false;
   CHECK(Q16(2) / Q16(0) == kHighest);
   CHECK(lowered_and_risen(true));
@@ -151,7 +151,7 @@ TEST_CASE("halves go to the even neighbour, on either side") {
   CHECK(Q16::of_raw(-5) / Q16(2) == Q16::of_raw(-2));
 }
 
-TEST_CASE("a flag stays up until somebody lowers it") {
+TEST_CASE("a flag stays set until it is cleared") {
   q16_overflow = false;
   CHECK(Q16(200) * Q16(200) == kHighest);
   CHECK(Q16(2) * Q16(2) == Q16(4));
@@ -167,8 +167,8 @@ TEST_CASE("a literal is the nearest number, when the program is built") {
   CHECK(lowered_and_risen(true));
 }
 
-TEST_CASE_TEMPLATE("a whole number of any width is itself or the nearest end, and the flag tells",
-                   T, std::int16_t, std::int32_t, std::uint32_t, std::int64_t, std::uint64_t) {
+TEST_CASE_TEMPLATE("a whole number of any width converts exactly or saturates with a flag", T,
+                   std::int16_t, std::int32_t, std::uint32_t, std::int64_t, std::uint64_t) {
   q16_overflow = false;
   constexpr T kMinWhole = std::numeric_limits<T>::min(), kMaxWhole = std::numeric_limits<T>::max();
   std::vector<T> wholes{0, 1, 32'767, kMinWhole, kMaxWhole, kMaxWhole / 2 + 1, kMaxWhole / 3};
@@ -261,7 +261,7 @@ TEST_CASE("a boat's mirror image computes the mirror image, to the last bit") {
   }
 }
 
-TEST_CASE("due astern is +pi, and no direction at all is dead ahead") {
+TEST_CASE("due astern is +pi, and the angle of a zero vector is 0") {
   CHECK(atan2(Q16(0), Q16(-1)) == Q16(3.14159265358979323846));
   CHECK(atan2(Q16(0), kLowest) == Q16(3.14159265358979323846));
   CHECK(atan2(kLowest, kLowest) == Q16(-2.35619449019234492885));
@@ -301,7 +301,7 @@ TEST_CASE("whole numbers are rounded up") {
   CHECK(ceil(kLowest) == kLowest);
 }
 
-TEST_CASE("a heading many turns on is wrapped as others are") {
+TEST_CASE("a heading of many turns is wrapped like any other") {
   for (int turn = -1000; turn <= 1000; turn += 37) {
     const Q16 heading = wrap_pi(Q16(1) + Q16(turn) * Q16(6.28318530717958647693));
     CHECK(abs(heading - Q16(1)) <= Q16::of_raw(1));

@@ -25,7 +25,7 @@ Matrix mass() {
 
 double number(Q16 x) { return x.raw() / 65536.0; }
 
-TEST_CASE("M nu of Eigen has the bits of what is written out") {
+TEST_CASE("M nu by Eigen equals the product written out, to the last bit") {
   const Vector nu(Q16(1.2), Q16(-0.3), Q16(0.1));
   const Vector momentum = mass() * nu;
   CHECK(momentum(0) == Q16(25.8) * nu(0));
@@ -52,7 +52,7 @@ TEST_CASE("a vector's length is as long as hypot says") {
   CHECK(way.normalized()(1) == Q16(-0.8));
 }
 
-TEST_CASE("a number that is changed in place is what the operation gives") {
+TEST_CASE("in-place operations give the same as the plain ones") {
   Q16 x(1.5);
   CHECK((x += Q16(2)) == Q16(3.5));
   CHECK((x -= Q16(0.5)) == Q16(3));
@@ -60,7 +60,7 @@ TEST_CASE("a number that is changed in place is what the operation gives") {
   CHECK((x /= Q16(3)) == Q16(-0.25));
 }
 
-TEST_CASE("Eigen is told the ends of the range and one LSB") {
+TEST_CASE("Eigen's traits give the ends of the range and one LSB") {
   using Traits = Eigen::NumTraits<Q16>;
   q16_overflow = false;
   CHECK(Traits::epsilon() == Q16(1) / Q16(16384) / Q16(4));

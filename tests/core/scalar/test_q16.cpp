@@ -66,7 +66,8 @@ TEST_CASE("a boat with its observer, in a current, sails in Q16 as it does in do
   CHECK_FALSE(take_overflow<Q16>());
 }
 
-TEST_CASE("one step from anywhere within a kilometre overflows nothing and pushes as in doubles") {
+TEST_CASE(
+    "one step from anywhere within a kilometre overflows nothing and gives thrust as in doubles") {
   constexpr std::uint32_t kSeed = 816;
   INFO("seed ", kSeed);
   testing::Random random(kSeed), same(kSeed);
@@ -90,7 +91,7 @@ TEST_CASE("one step from anywhere within a kilometre overflows nothing and pushe
   CHECK_FALSE(take_overflow<Q16>());
 }
 
-TEST_CASE("40 km away at 400 m/s the law says that it cannot, and no thrust is a wrapped one") {
+TEST_CASE("at 40 km and 400 m/s the law reports an overflow, and no thrust is a wrapped one") {
   ControllerParams<Q16> params = testing::papers_controller<Q16>();
   ControllerInput<Q16> in;
   in.separation_n = {Q16(-40000), Q16(0)};
@@ -129,7 +130,7 @@ TEST_CASE("vessels hundreds of metres away overflow nothing") {
   CHECK_FALSE(take_overflow<Q16>());
 }
 
-TEST_CASE("full sticks of the strongest boat overflow nothing and ask what they ask in doubles") {
+TEST_CASE("full sticks on the strongest boat overflow nothing and request the same as in doubles") {
   const AllocationParams<Q16> strongest{Q16(5), Q16(500), Q16(500)};
   take_overflow<Q16>();
   for (const int s : {-10, -1, 1, 10}) {
@@ -142,7 +143,7 @@ TEST_CASE("full sticks of the strongest boat overflow nothing and ask what they 
   CHECK_FALSE(take_overflow<Q16>());
 }
 
-TEST_CASE("a propeller's counts go from end to end at the slew rate, never beyond the ends") {
+TEST_CASE("a propeller's command goes from end to end at the slew rate, never beyond") {
   const Q16 full = Q16(8191);
   take_overflow<Q16>();
   for (const int rate : {1, 5, 20, 150, 1000}) {

@@ -60,7 +60,7 @@ TEST_CASE_TEMPLATE("due astern is +pi, whichever way the boat turned there", S, 
   CHECK(wrap_pi(S(-3.25) * pi) == testing::approx(S(0.75) * pi));
 }
 
-TEST_CASE_TEMPLATE("clamp and smaller give one of their arguments", S, float, double) {
+TEST_CASE_TEMPLATE("clamp and smaller return one of their arguments", S, float, double) {
   CHECK(clamp(S(-2), S(-1), S(3)) == S(-1));
   CHECK(clamp(S(4), S(-1), S(3)) == S(3));
   CHECK(clamp(S(0.5), S(-1), S(3)) == S(0.5));

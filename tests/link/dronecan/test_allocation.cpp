@@ -32,13 +32,13 @@ TEST_CASE("an allocation reads back as it was written: node id, first part, piec
   }
 }
 
-TEST_CASE("no allocation is read from nothing, nor from more than a unique id") {
+TEST_CASE("an empty payload is no allocation, nor is one longer than a unique id") {
   CHECK_FALSE(read_allocation(Bytes{}));
   CHECK(read_allocation(Bytes(17)));
   CHECK_FALSE(read_allocation(Bytes(18)));
 }
 
-TEST_CASE("a transfer that goes on after the longest there is, is thrown away whole") {
+TEST_CASE("a transfer longer than the longest possible is discarded as a whole") {
   TransferReceiver receiver;
   Counters counters;
   const Route route{16, TransferKind::kMessage, 1034, 30, 0};
@@ -52,7 +52,7 @@ TEST_CASE("a transfer that goes on after the longest there is, is thrown away wh
   CHECK(counters.can_received == 0);
 }
 
-TEST_CASE("a last frame without a whole checksum is no transfer") {
+TEST_CASE("a last frame without a complete checksum gives no transfer") {
   TransferReceiver receiver;
   Counters counters;
   const Route route{16, TransferKind::kMessage, 1034, 30, 0};

@@ -83,7 +83,7 @@ TEST_CASE("a signed field of 64 bits") {
   CHECK(BitReader(bytes).take_signed(64) == 1);
 }
 
-TEST_CASE("beyond the end there are zeros, and left() says so beforehand") {
+TEST_CASE("reading beyond the end gives zeros, and left() reports it beforehand") {
   const std::array<std::uint8_t, 1> byte{0xFF};
   BitReader reader(byte);
   CHECK(reader.left() == 8);

@@ -19,8 +19,7 @@ double meaning_of(unsigned h) {
   return (h & 0x8000U) != 0 ? -magnitude : magnitude;
 }
 
-TEST_CASE(
-    "each of the 65536 patterns means what IEEE 754 says, and comes back as it was but infinity") {
+TEST_CASE("each of the 65536 patterns decodes as in IEEE 754, and encodes back, except infinity") {
   for (unsigned h = 0; h < 65536; ++h) {
     const auto pattern = static_cast<std::uint16_t>(h);
     const float x = float_from_float16(pattern);
@@ -56,7 +55,7 @@ TEST_CASE("a number between two patterns becomes the nearer, half way the even o
   }
 }
 
-TEST_CASE("what is too great saturates, infinity too; NaN and the sign of zero stay") {
+TEST_CASE("too large numbers and infinity saturate; NaN and the sign of zero stay") {
   CHECK(float16_from(65504.0F) == 0x7BFF);
   CHECK(float16_from(65519.0F) == 0x7BFF);
   CHECK(float16_from(1e30F) == 0x7BFF);

@@ -128,7 +128,7 @@ TEST_CASE("a name of more than 80 characters is cut, the payload stays within it
   CHECK(written(info).size() <= 41 + 80);
 }
 
-TEST_CASE("a payload that is too short for its type is nothing") {
+TEST_CASE("a payload too short for its type gives no message") {
   for (std::size_t n = 0; n < 14; ++n) CHECK_FALSE(read_esc_status(Bytes(n)));
   CHECK(read_esc_status(Bytes(14)));
   for (std::size_t n = 0; n < 7; ++n) CHECK_FALSE(read_node_status(Bytes(n)));

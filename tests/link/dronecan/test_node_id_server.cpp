@@ -26,7 +26,7 @@ std::optional<Allocation> ask(NodeIdServer& server, const NodeIdServer::UniqueId
   return answer;
 }
 
-TEST_CASE("a node gets the id it wishes for, else the next above, else below") {
+TEST_CASE("a node gets the id it requests, else the next above, else below") {
   NodeIdServer server(20);
   CHECK(ask(server, unique(1), 50)->node_id == 50);
   CHECK(ask(server, unique(2), 50)->node_id == 51);
@@ -36,14 +36,14 @@ TEST_CASE("a node gets the id it wishes for, else the next above, else below") {
   CHECK(ask(server, unique(6), 20)->node_id == 21);  // 20 is the allocator itself
 }
 
-TEST_CASE("a node that comes back has the id it had, whatever it wishes for now") {
+TEST_CASE("a returning node gets its old id, whatever it requests now") {
   NodeIdServer server(20);
   CHECK(ask(server, unique(1), 50)->node_id == 50);
   CHECK(ask(server, unique(1), 60)->node_id == 50);
   CHECK(server.table().size() == 1);
 }
 
-TEST_CASE("a table that is put back is as it was, and takes nobody's id twice") {
+TEST_CASE("a restored table is as it was, and assigns no id twice") {
   NodeIdServer server(20);
   CHECK(server.restore({unique(1), 50}));
   CHECK_FALSE(server.restore({unique(2), 50}));
@@ -54,7 +54,7 @@ TEST_CASE("a table that is put back is as it was, and takes nobody's id twice") 
   CHECK(ask(server, unique(1))->node_id == 50);
 }
 
-TEST_CASE("a full table gives no more ids, and keeps those that it gave") {
+TEST_CASE("a full table assigns no more ids, and keeps those that it assigned") {
   NodeIdServer server(20);
   for (std::uint8_t i = 0; i < 32; ++i) {
     REQUIRE(ask(server, unique(static_cast<std::uint8_t>(7 * i))));

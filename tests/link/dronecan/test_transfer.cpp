@@ -35,7 +35,7 @@ std::vector<Bytes> bytes_of_all(const std::vector<std::string_view>& frames) {
   return out;
 }
 
-TEST_CASE("every captured and generated transfer is put together to its payload") {
+TEST_CASE("every captured and generated transfer is reassembled to its payload") {
   for (const vectors::Transfer& v : vectors::kTransfers) {
     CAPTURE(v.name);
     TransferReceiver receiver;
@@ -45,7 +45,7 @@ TEST_CASE("every captured and generated transfer is put together to its payload"
   }
 }
 
-TEST_CASE("every payload is taken apart into exactly the frames that were captured") {
+TEST_CASE("every payload is split into exactly the captured frames") {
   for (const vectors::Transfer& v : vectors::kTransfers) {
     CAPTURE(v.name);
     const Route route = route_of(v.can_id).value();
@@ -116,7 +116,7 @@ TEST_CASE("interleaved senders do not disturb each other") {
   CHECK(whole == senders.size());
 }
 
-TEST_CASE("a single-frame transfer is whole in itself: repeated, it says the same again") {
+TEST_CASE("a repeated single-frame transfer is delivered again") {
   TransferReceiver receiver;
   const std::uint32_t id = can_id_of({24, TransferKind::kMessage, 1100, 21, 0});
   const std::uint64_t signature = ArmingStatus::kType.signature;

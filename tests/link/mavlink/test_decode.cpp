@@ -54,7 +54,7 @@ TEST_CASE("a message split at any byte, or byte by byte, arrives once and with i
   }
 }
 
-TEST_CASE("many messages in one chunk arrive all, in their order") {
+TEST_CASE("all messages in one chunk arrive, in order") {
   AnyMessage any(44);
   MavlinkEncoder encoder({1, 1});
   MavlinkDecoder decoder;
@@ -104,7 +104,7 @@ TEST_CASE("whatever noise comes before a good message, it is delivered") {
 // a start byte. The bytes in between are then lost, but never those after the longest possible
 // frame. A frame that lacks only its last byte is whole again with the next frame's first byte, if
 // the two are equal.
-TEST_CASE("a message that breaks off takes hardly any of those after it down with it") {
+TEST_CASE("a truncated message destroys hardly any of those after it") {
   constexpr std::uint32_t kSeed = 46;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -152,7 +152,7 @@ bool is_plain(std::span<const std::uint8_t> frame) {
   return std::ranges::none_of(frame.subspan(1), [](auto b) { return b == 0xFD || b == 0xFE; });
 }
 
-TEST_CASE("behind a message that breaks off, all are found once it is given up, and at any byte") {
+TEST_CASE("behind a truncated message all others are found once it is abandoned, at any byte") {
   constexpr std::uint32_t kSeed = 50;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -186,7 +186,7 @@ TEST_CASE("behind a message that breaks off, all are found once it is given up, 
 // The cut-off bytes and those after them may form a header of a message outside our dialect whose
 // end fits, even that of the datagram. The bytes in between are then lost, as they would be without
 // giving up.
-TEST_CASE("broken off within its header, a message costs hardly any of those behind it") {
+TEST_CASE("a message truncated in its header destroys hardly any of those behind it") {
   constexpr std::uint32_t kSeed = 51;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -206,7 +206,7 @@ TEST_CASE("broken off within its header, a message costs hardly any of those beh
   CHECK(found >= sent - sent / 50);
 }
 
-TEST_CASE("datagrams of good messages and broken ones, given up at each end: no good one is lost") {
+TEST_CASE("with truncated messages abandoned at each datagram's end, no good message is lost") {
   constexpr std::uint32_t kSeed = 52;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -247,8 +247,7 @@ TEST_CASE("datagrams of good messages and broken ones, given up at each end: no 
   CHECK(broken > 1000);
 }
 
-TEST_CASE(
-    "whatever noise is given up, and when, every byte is accounted for and none is read twice") {
+TEST_CASE("whatever noise is abandoned, and when, every byte is counted and none is read twice") {
   constexpr std::uint32_t kSeed = 53;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -288,7 +287,7 @@ TEST_CASE(
   CHECK(counters.mavlink_skipped_bytes == skipped);
 }
 
-TEST_CASE("a message can be passed on as it came, whatever came before it") {
+TEST_CASE("a message can be forwarded unchanged, whatever came before it") {
   constexpr std::uint32_t kSeed = 49;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -308,7 +307,7 @@ TEST_CASE("a message can be passed on as it came, whatever came before it") {
   }
 }
 
-TEST_CASE("a message tells for whom it is, and one for all that it is for all") {
+TEST_CASE("the target of a message is read, and a broadcast is recognised") {
   MavlinkEncoder encoder({255, 190});
   MavlinkDecoder decoder;
   Counters counters;
@@ -328,7 +327,7 @@ TEST_CASE("a message tells for whom it is, and one for all that it is for all") 
   CHECK(target(Timesync{1, 2, {3, 4}}) == Address{3, 4});
 }
 
-TEST_CASE("nobody looks for messages inside one that our dialect lacks") {
+TEST_CASE("no message is looked for inside one of an unknown type") {
   AnyMessage any(48);
   MavlinkEncoder encoder({1, 1});
   const Bytes inner = frame_of(encoder, any(1)), behind = frame_of(encoder, any(2));
@@ -385,7 +384,7 @@ TEST_CASE("an old MAVLink 1 heartbeat is understood") {
   CHECK(fields_of(got[0].message) == fields_of(Heartbeat{4, 10, 3, 81, 3}));
 }
 
-TEST_CASE("a million bytes of noise crash nothing and are all accounted for") {
+TEST_CASE("a million bytes of noise cause no crash and are all counted") {
   constexpr std::uint32_t kSeed = 48;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);

@@ -12,7 +12,7 @@ using testing::Bytes;
 using testing::fields_of;
 using testing::frame_of;
 
-TEST_CASE("every message arrives as it was sent and from whom, or as one that no boat reads") {
+TEST_CASE("every message arrives unchanged with its sender, or as one that no boat reads") {
   constexpr std::uint32_t kSeed = 41;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -80,7 +80,7 @@ TEST_CASE("a buffer that is too short takes nothing and uses no sequence number"
   }
 }
 
-TEST_CASE("nothing is sent for no message") {
+TEST_CASE("an empty message sends nothing") {
   MavlinkEncoder encoder({1, 1});
   CHECK(frame_of(encoder, Message{}).empty());
   CHECK(frame_of(encoder, Heartbeat{})[4] == 0);

@@ -16,7 +16,7 @@ namespace {
 
 using namespace testing;
 
-TEST_CASE("a client that opens a file and bursts has all of it, and then is told of its end") {
+TEST_CASE("a client that opens a file and bursts gets all of it, and then its end") {
   for (const std::uint8_t size : std::initializer_list<std::uint8_t>{239, 80, 1, 0, 238}) {
     Harbour harbour;
     Client client{harbour};
@@ -46,7 +46,7 @@ TEST_CASE("a client that opens a file and bursts has all of it, and then is told
   }
 }
 
-TEST_CASE("a read has what is asked for, at the end what there is, and after it the end") {
+TEST_CASE("a read gives the bytes requested, at the end the remainder, and then the end") {
   Harbour harbour;
   Client client{harbour};
   client.ask(kOpen, 3, "big.json");
@@ -175,7 +175,7 @@ TEST_CASE("a file's checksum is MAVLink's") {
   static_assert(~crc32(0xFFFFFFFF, "123456789") == 0xCBF43926);  // zlib.crc32(b"123456789")
 }
 
-TEST_CASE("nobody can write, what is unknown is refused, and an answer is never answered") {
+TEST_CASE("writing and unknown requests are refused, and an answer is never answered") {
   Harbour harbour;
   Client client{harbour};
   client.ask(kOpen, 0, "even");
@@ -195,7 +195,7 @@ TEST_CASE("nobody can write, what is unknown is refused, and an answer is never 
   CHECK(client.error(kRead, 0, {}, 0, 9) == 0);  // none of that has closed it
 }
 
-TEST_CASE("a request that comes again is answered alike") {
+TEST_CASE("a repeated request gets the same answer") {
   Harbour harbour;
   Client client{harbour};
   for (const Fields& request : std::vector<Fields>{{0, 5, kOpen, 0, 0, 0, 0, "even"},
@@ -210,7 +210,7 @@ TEST_CASE("a request that comes again is answered alike") {
   }
 }
 
-TEST_CASE("a sequence number that comes again with another request is another request") {
+TEST_CASE("a repeated sequence number with another request is another request") {
   Harbour harbour;
   Client client{harbour};
   CHECK(client.ask({0, 0, kOpen, 0, 0, 0, 0, "even"}).number() == harbour.even.size());
@@ -218,7 +218,7 @@ TEST_CASE("a sequence number that comes again with another request is another re
   CHECK(client.ask({0, 0, kRead, 9, 0, 0, 2, {}}).data == "3456789");
 }
 
-TEST_CASE("a burst that is asked for again starts again") {
+TEST_CASE("a burst requested again starts again") {
   Harbour harbour;
   Client client{harbour};
   client.ask(kOpen, 0, "big.json");
@@ -246,7 +246,7 @@ TEST_CASE("a client's next request ends its burst, not another's") {
   }
 }
 
-TEST_CASE("a client that reads what it missed has that first, and its burst goes on") {
+TEST_CASE("a client that reads missed bytes gets them first, and its burst goes on") {
   Harbour harbour;
   Client client{harbour};
   client.ask(kOpen, 0, "big.json");
@@ -257,7 +257,7 @@ TEST_CASE("a client that reads what it missed has that first, and its burst goes
   CHECK(client.next()->offset == 239);
 }
 
-TEST_CASE("clients of one link have their bursts in turn, and a newcomer no more than its share") {
+TEST_CASE("clients on one link get bursts in turn, and a newcomer no more than its share") {
   Harbour harbour;
   std::vector<Client> clients{{harbour, {1, 1}}, {harbour, {2, 1}}, {harbour, {3, 1}, 1}};
   for (Client& client : clients) client.ask(kOpen, 0, "big.json");
@@ -276,8 +276,7 @@ TEST_CASE("clients of one link have their bursts in turn, and a newcomer no more
   CHECK(harbour.server.next(1)->target.system == 3);
 }
 
-TEST_CASE(
-    "a ninth client takes an idle one's place, and only without one that of the longest silent") {
+TEST_CASE("a ninth client replaces an idle one, or else the longest silent one") {
   Harbour harbour;
   std::vector<Client> clients;
   for (std::uint8_t i = 0; i < 10; ++i) clients.push_back({harbour, {i, 190}});
@@ -300,7 +299,7 @@ TEST_CASE(
   CHECK(served() == std::set<std::uint8_t>{0, 2, 3, 4, 5, 6, 8, 9});
 }
 
-TEST_CASE("requests in a row are answered in their order; of too many some are not") {
+TEST_CASE("consecutive requests are answered in order; of too many, some are not") {
   Harbour harbour;
   Client client{harbour};
   client.ask(kOpen, 0, "big.json");
@@ -347,7 +346,7 @@ std::string download_over_bad_radio(Harbour& harbour, Client& client, std::uint3
   return file;
 }
 
-TEST_CASE("a client that loses a third of all packets has the whole file in the end") {
+TEST_CASE("a client that loses a third of all packets still gets the whole file") {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Harbour harbour;
@@ -367,7 +366,7 @@ FileTransferProtocol noise(std::mt19937& random) {
   return message;
 }
 
-TEST_CASE("whatever anybody sends, answers are sound and no more than were asked for") {
+TEST_CASE("whatever is received, answers are valid and no more than requested") {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -403,7 +402,7 @@ TEST_CASE("whatever anybody sends, answers are sound and no more than were asked
   }
 }
 
-TEST_CASE("a client has its file over a bad radio while foreigners flood the boat") {
+TEST_CASE("a client gets its file over a bad radio while strangers flood the boat") {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     CAPTURE(seed);
     std::mt19937 random(seed);

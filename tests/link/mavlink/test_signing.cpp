@@ -70,13 +70,13 @@ TEST_CASE("timestamps begin in 2015 and end in 2104, and no clock leaves that ra
   CHECK(signing_time(INT64_MAX) == (std::uint64_t{1} << 48U) - 1);
 }
 
-TEST_CASE("a boat without a key takes nothing, not even what is signed with zeros") {
+TEST_CASE("a boat without a key accepts nothing, not even messages signed with zeros") {
   Signing none;
   CHECK_FALSE(none.has_key());
   CHECK(none.check(Sender().frame(1, SigningKey{})) == kForged);
 }
 
-TEST_CASE("every single bit of a frame is signed, but for those that make it a frame") {
+TEST_CASE("every bit of a frame is signed, except those that make it a frame") {
   Keyed boat;
   for (std::size_t bit = 0; bit < 8 * kByPymavlink.size(); ++bit) {
     Bytes changed = kByPymavlink;
@@ -88,7 +88,7 @@ TEST_CASE("every single bit of a frame is signed, but for those that make it a f
   CHECK(boat.check(kByPymavlink) == kGood);
 }
 
-TEST_CASE("what is too short to be signed is forged") {
+TEST_CASE("a frame too short for a signature counts as forged") {
   Keyed boat;
   for (std::size_t size = 0; size < kByPymavlink.size(); ++size) {
     CHECK(boat.check(std::span(kByPymavlink).first(size)) == kForged);
@@ -105,7 +105,7 @@ TEST_CASE("a forgery with any timestamp leaves no trace: the right key is still 
   CHECK(boat.check(operator_.frame(kNow + 1)) == kGood);
 }
 
-TEST_CASE("a message counts once, on whichever link it comes, and none before it counts after it") {
+TEST_CASE("a message counts once, on any link, and none before it counts after it") {
   Keyed boat;
   Sender sender;
   const Bytes first = sender.frame(kNow + 1), second = sender.frame(kNow + 2);
@@ -137,8 +137,7 @@ TEST_CASE("a sender may be a minute behind, no more, whether it is known or new"
   }
 }
 
-TEST_CASE(
-    "what was recorded of a jammed sender is refused a minute later, at whatever pace it comes") {
+TEST_CASE("recorded messages of a jammed sender are refused after a minute, at any pace") {
   for (const std::uint64_t pace : {kSecond / 10, kSecond, 50 * kSecond}) {
     Keyed boat;
     Sender sender;
@@ -151,7 +150,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("held back one by one, recorded messages do not keep their stream alive") {
+TEST_CASE("delayed one by one, recorded messages do not keep their stream alive") {
   Keyed boat;
   Sender sender;
   std::uint64_t clock = kNow;
@@ -163,7 +162,7 @@ TEST_CASE("held back one by one, recorded messages do not keep their stream aliv
   CHECK(taken == 2);
 }
 
-TEST_CASE("a pymavlink that hears nobody is heard all day, though its timestamps drag behind") {
+TEST_CASE("a pymavlink sender that receives nothing is accepted all day, with lagging timestamps") {
   Keyed boat;
   Sender sender;
   std::uint64_t stamp = kNow;
@@ -176,8 +175,7 @@ TEST_CASE("a pymavlink that hears nobody is heard all day, though its timestamps
   CHECK(boat.check(sender.frame(kNow + 24 * 3600 * kSecond)) == kGood);
 }
 
-TEST_CASE(
-    "without a known clock, what is not older than the last voyage counts, and tells the time") {
+TEST_CASE("without a clock, messages not older than the last voyage count, and set the time") {
   Keyed boat;
   boat.start(counting_key(), kSecond, kNow);
   boat.set_clock(kSecond, false);
@@ -194,7 +192,7 @@ TEST_CASE(
 
 bool is_heartbeat(const Message& message) { return std::holds_alternative<Heartbeat>(message); }
 
-TEST_CASE("what is exempt counts at any age, but once, and nothing older than it") {
+TEST_CASE("an exempt message counts at any age, but once, and nothing older than it") {
   Room room;
   Signing boat(room.streams, is_heartbeat);
   boat.start(counting_key(), kNow, 0);
@@ -217,7 +215,7 @@ TEST_CASE("a year-old recording is refused by a boat that has just been switched
   CHECK(boat.check(Sender().frame(kNow - 365 * kDay)) == kStale);
 }
 
-TEST_CASE("a sender a day ahead is refused, and drags nobody's time along") {
+TEST_CASE("a sender a day ahead is refused, and does not move the boat's time") {
   Keyed boat;
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + kDay)) == kFuture);
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 60 * kSecond + 1)) == kFuture);
@@ -258,8 +256,7 @@ TEST_CASE("255 senders are known; the next is refused, and the old ones are stil
   CHECK(boat.check(sender(255).frame(kNow + 4)) == kNoRoom);
 }
 
-TEST_CASE(
-    "what is sent goes on with the clock, never back; what is heard is judged by it, set back") {
+TEST_CASE("output stamps follow the clock, never back; input is judged by a clock set back") {
   Keyed boat;
   boat.set_clock(kNow + kSecond);
   CHECK(boat.timestamp() == kNow + kSecond);
@@ -279,8 +276,7 @@ Bytes sent_by(Signing& boat, MavlinkEncoder& encoder, std::uint8_t link_id = 0) 
   return bytes;
 }
 
-TEST_CASE(
-    "a station 59 s ahead shuts out nobody whose clock is right, nor drags our stamps along") {
+TEST_CASE("a station 59 s ahead shuts out no sender with the right time, nor moves our stamps") {
   Keyed boat;
   Sender fast{{255, 190}};
   std::uint64_t clock = kNow;
@@ -298,7 +294,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("beside a station 59 s ahead, every other boat believes what we send, on every link") {
+TEST_CASE("beside a station 59 s ahead, every other boat accepts our messages, on every link") {
   Keyed boat;
   MavlinkEncoder links[2] = {MavlinkEncoder({2, 1}), MavlinkEncoder({2, 1})};
   Sender fast{{255, 190}};
@@ -373,7 +369,8 @@ TEST_CASE("by a guessed clock, no sender begins before the stored timestamp") {
   }
 }
 
-TEST_CASE("stored a year ahead, by a clock that was wrong, a boat is deaf to nobody") {
+TEST_CASE(
+    "a time stored a year ahead, by a wrong clock, does not make the boat refuse any sender") {
   Keyed boat;
   boat.start(counting_key(), kNow, kNow + 365 * kDay);
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);
@@ -383,7 +380,7 @@ TEST_CASE("stored a year ahead, by a clock that was wrong, a boat is deaf to nob
   CHECK(boat.timestamp() == kNow + 365 * kDay + 1);
 }
 
-TEST_CASE("stored from an earlier run, or never, a boat sends by the clock that is ahead of it") {
+TEST_CASE("with an earlier stored time, or none, a boat stamps its messages by its clock") {
   for (const std::uint64_t stored : {std::uint64_t{0}, kNow - 365 * kDay, kNow}) {
     Keyed boat;
     boat.start(counting_key(), kNow, stored);
@@ -391,7 +388,7 @@ TEST_CASE("stored from an earlier run, or never, a boat sends by the clock that 
   }
 }
 
-TEST_CASE("everything a boat sends is newer than all it has sent and read off the clock") {
+TEST_CASE("every stamp is newer than all earlier ones and is read off the clock") {
   constexpr std::uint32_t kSeed = 77;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -440,7 +437,7 @@ struct Link {
   }
 };
 
-TEST_CASE("a link with a key delivers what is signed well, what is unsigned, and says which is") {
+TEST_CASE("a link with a key delivers well-signed and unsigned messages, and says which is which") {
   Keyed boat;
   Link link;
   const auto good = link.hear(kByPymavlink, &boat);

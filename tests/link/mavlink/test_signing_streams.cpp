@@ -6,7 +6,7 @@
 namespace flotilla::link {
 namespace {
 
-TEST_CASE("of more senders than there is room for, the first ones are heard, the rest counted") {
+TEST_CASE("with more senders than entries, the first ones are accepted, the rest counted") {
   constexpr SigningKey kKey{9};
   constexpr std::uint64_t kClock = 1'000'000'000;
   constexpr std::size_t kStreams = 255;
@@ -30,7 +30,7 @@ TEST_CASE("of more senders than there is room for, the first ones are heard, the
   CHECK(counters.mavlink_streams_full == 300 - kStreams);
 }
 
-TEST_CASE("a boat with no room for senders takes no signature, and signs what it sends") {
+TEST_CASE("a boat without room for senders accepts no signature, and signs its output") {
   constexpr SigningKey kKey{9};
   std::array<Signing::Stream, 1> room;
   Signing ours, theirs(room);

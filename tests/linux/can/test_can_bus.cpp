@@ -57,7 +57,7 @@ TEST_CASE("a node id that no DroneCAN node may have is refused") {
   CHECK(refusal("mcast:9", 127) == "opened");
 }
 
-TEST_CASE("an address that is not there is told, and looked for again") {
+TEST_CASE("a missing address is reported, and tried again") {
   const auto bus = open_can_bus("mcast:0:203.0.113.77", 20);
   bus->reopen();
   bus->maintain();
@@ -66,7 +66,7 @@ TEST_CASE("an address that is not there is told, and looked for again") {
   CHECK(bus->fault() == "no interface of this machine has that address");
 }
 
-TEST_CASE("a kernel without CAN is named as the fault") {
+TEST_CASE("a kernel without CAN is reported as the cause") {
   const FileDescriptor probe(::socket(PF_CAN, SOCK_RAW, CAN_RAW));
   if (probe) {
     MESSAGE("this kernel has AF_CAN: nothing to see here");
@@ -75,7 +75,7 @@ TEST_CASE("a kernel without CAN is named as the fault") {
   CHECK(open_can_bus("socketcan:can0", 20)->fault().starts_with("this kernel has no AF_CAN"));
 }
 
-TEST_CASE("frames are taken transfer by transfer, as their tail bytes say") {
+TEST_CASE("frames are grouped into transfers by their tail bytes") {
   const auto frame = [](std::uint8_t tail) { return link::CanFrame{0x10040A15, 2, {0x55, tail}}; };
   const link::CanFrame empty{1, 0, {}};
   const std::array frames{frame(0xC0), frame(0x80), frame(0x20), frame(0x40),

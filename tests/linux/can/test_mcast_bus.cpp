@@ -215,7 +215,7 @@ TEST_CASE("every length from 0 to 8 bytes passes, with the greatest id") {
   }
 }
 
-TEST_CASE("simulated throttle does not leave the machine unless an address is given") {
+TEST_CASE("simulated throttle commands stay on the machine unless an address is given") {
   const QuietBuses quiet;
   Wire wire(9);
   McastBus(9, std::nullopt).send(std::span(&kGolden[0].frame, 1));

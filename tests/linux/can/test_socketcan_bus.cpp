@@ -114,7 +114,7 @@ bool await(SocketCanBus& bus, const std::uint64_t& counter) {
   return true;
 }
 
-TEST_CASE("the kernel hands over what a boat reads, and nothing else") {
+TEST_CASE("the kernel delivers only the frames that a boat reads") {
   const Interface interface;
   SocketCanBus boat(kInterface, kBoat);
   Peer peer;
@@ -149,8 +149,7 @@ TEST_CASE("the kernel hands over what a boat reads, and nothing else") {
   CHECK(boat.counters().error_frames == 0);
 }
 
-TEST_CASE(
-    "what a boat sends is on the bus, for other programs of this machine too, not for itself") {
+TEST_CASE("frames sent by a boat reach other programs of this machine, but not itself") {
   const Interface interface;
   SocketCanBus boat(kInterface, kBoat), other(kInterface, 21);
   Peer peer;
@@ -378,7 +377,7 @@ TEST_CASE("an interface that is not there yet is opened when it comes") {
   CHECK(boat->usable());
 }
 
-TEST_CASE("an interface of another kind is told, and never opened") {
+TEST_CASE("an interface of another kind is reported, and never opened") {
   const auto boat = open_can_bus("socketcan:lo", kBoat);
   boat->reopen();
   boat->maintain();

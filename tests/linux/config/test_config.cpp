@@ -51,7 +51,7 @@ struct File {
   }
 };
 
-TEST_CASE("root is refused before any file is read, and told what it may do instead") {
+TEST_CASE("root is refused before any file is read, with the alternatives") {
   const auto result = read({"--config", "/nowhere.toml"}, true);
   REQUIRE(std::holds_alternative<Ending>(result));
   const auto& ending = std::get<Ending>(result);
@@ -62,7 +62,7 @@ TEST_CASE("root is refused before any file is read, and told what it may do inst
   CHECK(std::get<Ending>(read({"--help"}, true)).status == 0);
 }
 
-TEST_CASE("one link is all a boat needs to be told") {
+TEST_CASE("a boat needs only one link in its configuration") {
   const Config config = good({"--mavlink", "udpin:0.0.0.0:14550"});
   CHECK(config.can == "socketcan:can0");
   CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:0.0.0.0:14550", 0}});
@@ -143,7 +143,7 @@ TEST_CASE("a hull's own files are read, and single parameters win over them") {
   CHECK(columns == good({"--mavlink=udpin:0.0.0.0:1", "--param-file", hull.c_str()}).param);
 }
 
-TEST_CASE("a mistake in a parameter file is told with its line") {
+TEST_CASE("a mistake in a parameter file is reported with its line") {
   const std::pair<const char*, const char*> cases[] = {
       {"LAW_KX,0.25\nLAW_K,1\n", ":2: unknown parameter \"LAW_K\""},
       {"LAW_KX,3\n", ":1: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)"},
@@ -203,8 +203,7 @@ TEST_CASE("several links on the command line keep their order") {
   CHECK(config.lock_memory);
 }
 
-TEST_CASE(
-    "a link says behind its address what its signatures are worth, before or after its rate") {
+TEST_CASE("a link's signing policy stands behind its address, before or after its rate") {
   using enum app::SigningPolicy;
   const File file(R"(
 signing-key = "/etc/flotilla/key"
@@ -224,7 +223,7 @@ mavlink = ["udpin:10.0.0.1:1,signing=required,rate=9", "udpin:10.0.0.1:2,rate=9,
   CHECK(config.policy(config.mavlink[3]) == kRequired);
 }
 
-TEST_CASE("without a key no link signs, and none may be asked to") {
+TEST_CASE("without a key no link signs, and a policy that signs is refused") {
   const Config config =
       good({"--mavlink=udpin:10.0.0.1:1", "--mavlink=udpin:10.0.0.1:2,signing=off"});
   CHECK(config.mavlink.size() == 2);
@@ -329,7 +328,7 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
   }
 }
 
-TEST_CASE("a file that is no TOML, or no file, is one line too") {
+TEST_CASE("an invalid TOML file, or a missing one, is reported in one line too") {
   CHECK(File("can = \n").mistake().starts_with(":1:7: "));
   CHECK(File("can = \"a\"\ncan = \"b\"\n").mistake().starts_with(":2:"));
   CHECK(mistake({"--config", "/no/such/boat.toml"}).find("/no/such/boat.toml") !=

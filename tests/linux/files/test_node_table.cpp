@@ -19,7 +19,7 @@ link::NodeIdServer with_one_node() {
   return server;
 }
 
-TEST_CASE("the loop does not wait for a disk that takes no node ids, and they come to it later") {
+TEST_CASE("the loop does not wait for a failing disk, and node ids are saved later") {
   const Scratch folder;
   const auto file = folder / "node_ids.txt", fresh = folder / "node_ids.txt.new";
   REQUIRE(::mkfifo(fresh.c_str(), 0600) == 0);  // opening it waits for a reader
@@ -41,7 +41,7 @@ TEST_CASE("the loop does not wait for a disk that takes no node ids, and they co
   CHECK(again.table()[0].node == 77);
 }
 
-TEST_CASE("node ids assigned in the last moment are saved before the table is gone") {
+TEST_CASE("node ids assigned at the last moment are saved before exit") {
   const Scratch folder;
   const auto file = folder / "node_ids.txt";
   {

@@ -50,12 +50,12 @@ std::string signed_text(const std::string& body) {
   return body + line;
 }
 
-TEST_CASE("the checksum is the CRC-32 that everybody knows") {
+TEST_CASE("the checksum is the standard CRC-32") {
   CHECK(link::ieee_crc32("123456789") == 0xCBF43926U);
   CHECK(link::ieee_crc32("") == 0);
 }
 
-TEST_CASE("a boat that was never set up has the defaults, which somebody has to confirm") {
+TEST_CASE("a boat that was never set up has defaults, which an operator must confirm") {
   Scratch folder;
   const auto loaded = load_parameters(folder / "parameters.txt");
   CHECK(loaded.source == ParameterSource::kFirstStart);
@@ -97,7 +97,7 @@ TEST_CASE("the file reads like a list and its directory is made where it is miss
   CHECK(text.find("\nMAV_SYSID = 1\n") != std::string::npos);
 }
 
-TEST_CASE("file truncated at every byte: the previous version, and it is said") {
+TEST_CASE("file truncated at any byte: the previous version is used and reported") {
   Boat boat;
   const std::string whole = content(boat.file);
   for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -112,7 +112,7 @@ TEST_CASE("file truncated at every byte: the previous version, and it is said") 
   }
 }
 
-TEST_CASE("any single bit of the file flipped: the previous version, and it is said") {
+TEST_CASE("any single bit of the file flipped: the previous version is used and reported") {
   Boat boat;
   const std::string whole = content(boat.file);
   for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
@@ -148,7 +148,7 @@ TEST_CASE("both versions damaged, or one damaged and no other: defaults, to be c
   }
 }
 
-TEST_CASE("what is there instead of a parameter file is said, never fatal") {
+TEST_CASE("an object in place of a parameter file is reported, never fatal") {
   Boat boat;
   std::filesystem::remove(boat.previous);
   std::filesystem::remove(boat.file);
@@ -231,7 +231,7 @@ TEST_CASE("a value that is not allowed keeps its default alone, and must be conf
   }
 }
 
-TEST_CASE("values that exclude each other are no boat: the previous version") {
+TEST_CASE("values that exclude each other: the previous version is used") {
   Boat boat;
   put(boat.file, signed_text("flotilla-parameters 1\nESC_PORT = 3\nESC_STBD = 3\n"));
   const auto loaded = load_parameters(boat.file);
@@ -241,7 +241,7 @@ TEST_CASE("values that exclude each other are no boat: the previous version") {
   CHECK(said(loaded, "is inconsistent: ESC_PORT and ESC_STBD are the same ESC"));
 }
 
-TEST_CASE("names of another version are kept over saves, word for word, and said") {
+TEST_CASE("names of another version are kept over saves, word for word, and reported") {
   Scratch folder;
   put(folder / "p", signed_text("flotilla-parameters 1\nLAW_KX = 0.5\nLAW_MAGIC = 3.25\n"
                                 "no equals sign\nLAW_KPSI=1\n"));
@@ -261,7 +261,7 @@ TEST_CASE("names of another version are kept over saves, word for word, and said
   }
 }
 
-TEST_CASE("a file of an older version has its values; what it lacks is default and said") {
+TEST_CASE("a file of an older version is read; missing values are defaults and reported") {
   Scratch folder;
   put(folder / "p", signed_text("flotilla-parameters 1\nLAW_KX = 0.5\n"));
   const auto loaded = load_parameters(folder / "p");
@@ -289,7 +289,7 @@ TEST_CASE("zeros that were defaults of an older version, and mean another thing 
   CHECK(load_parameters(folder / "set").values.FS_SEP_M == 2);
 }
 
-TEST_CASE("an old file that names a mode is read with a sentence, and loses it when it is saved") {
+TEST_CASE("an old file with a mode is read with a message, and loses it when it is saved") {
   Scratch folder;
   put(folder / "p", signed_text("flotilla-parameters 1\nMODE = 6\nLAW_KX = 0.5\n"));
   const auto loaded = load_parameters(folder / "p");
@@ -304,7 +304,7 @@ TEST_CASE("an old file that names a mode is read with a sentence, and loses it w
   CHECK(content(folder / "p").find("\nMODE") == std::string::npos);
 }
 
-TEST_CASE("saving what is saved already leaves both versions alone") {
+TEST_CASE("saving unchanged values leaves both versions alone") {
   Boat boat;
   REQUIRE_FALSE(save_parameters(boat.file, with_kx(0.5F), {}));
   CHECK(load_parameters(boat.file).values.LAW_KX == 0.5F);
@@ -380,7 +380,7 @@ TEST_CASE("the steps above are the ones a save makes") {
   CHECK_FALSE(std::filesystem::exists(beside(real.previous, ".new")));
 }
 
-TEST_CASE("a save that cannot be made says why and leaves what there was") {
+TEST_CASE("a failed save reports why and leaves the files as they were") {
   Boat boat;
   std::filesystem::create_directory(beside(boat.file, ".new"));
   const auto fault = save_parameters(boat.file, with_kx(0.75F), {});
@@ -390,7 +390,7 @@ TEST_CASE("a save that cannot be made says why and leaves what there was") {
   CHECK(save_parameters("/dev/null/p", with_kx(0.75F), {}));
 }
 
-TEST_CASE("a full disk: the save says so, both versions stay") {
+TEST_CASE("full disk: the save reports it, both versions stay") {
   Boat boat;
   std::filesystem::create_symlink("/dev/full", beside(boat.file, ".new"));
   const auto fault = save_parameters(boat.file, with_kx(0.75F), {});

@@ -28,7 +28,7 @@ ParameterSaver::Saved outcome_of(ParameterSaver& saver) {
   }
 }
 
-TEST_CASE("values are saved behind the loop's back and the outcome is told once") {
+TEST_CASE("values are saved outside the loop and the result is reported once") {
   Scratch folder;
   ParameterSaver saver(folder / "p", {"LAW_MAGIC = 7"});
   CHECK_FALSE(saver.outcome());
@@ -44,7 +44,7 @@ TEST_CASE("values are saved behind the loop's back and the outcome is told once"
   }
 }
 
-TEST_CASE("a disk that hangs keeps nobody waiting, and the next save comes after it") {
+TEST_CASE("a hanging disk does not block the loop, and the next save follows") {
   Scratch folder;
   // A pipe without a reader: open() waits, as on a failing disk.
   const auto pipe = folder / "p.new";
@@ -62,7 +62,7 @@ TEST_CASE("a disk that hangs keeps nobody waiting, and the next save comes after
   CHECK(load_parameters(folder / "p").values.LAW_KX == 0.5F);
 }
 
-TEST_CASE("a disk that takes nothing is told as a sentence, and the next save is tried") {
+TEST_CASE("a disk that refuses writes is reported in a sentence, and the next save is tried") {
   Scratch folder;
   std::filesystem::create_directory(folder / "p.new");
   ParameterSaver saver(folder / "p", {});
@@ -75,7 +75,7 @@ TEST_CASE("a disk that takes nothing is told as a sentence, and the next save is
   CHECK_FALSE(outcome_of(saver).fault);
 }
 
-TEST_CASE("at the end the save under way is finished, and its outcome still told") {
+TEST_CASE("at the end the save under way is finished, and its result still reported") {
   Scratch folder;
   for (int i = 0; i < 50; ++i) {
     const float kx = 0.01F * static_cast<float>(i + 1);

@@ -38,7 +38,7 @@ bool same(const std::vector<app::PlanItem>& a, const std::vector<app::PlanItem>&
          std::memcmp(a.data(), b.data(), a.size() * sizeof(app::PlanItem)) == 0;
 }
 
-TEST_CASE("what was saved is there at the next start, bit for bit, each in its own file") {
+TEST_CASE("saved plans are there at the next start, bit for bit, each in its own file") {
   const Scratch folder;
   for (const auto& [name, lack] : kEach) {
     const auto file = folder / name;
@@ -65,7 +65,7 @@ TEST_CASE("a plan goes to the disk while the boat sails, and a cleared one too")
   CHECK_FALSE(saver.error());
 }
 
-TEST_CASE("a first start has no plan, and that is no complaint") {
+TEST_CASE("a first start has no plan, and reports no fault") {
   const Scratch folder;
   CHECK(load_plan(folder / "plan.txt").items.empty());
   CHECK(load_plan(folder / "plan.txt").note.empty());
@@ -109,7 +109,7 @@ TEST_CASE("power that is cut while a plan is written leaves the old one") {
   CHECK(soon([&] { return same(load_plan(file).items, one); }));
 }
 
-TEST_CASE("a plan that cannot be written is told once, and written when it can be") {
+TEST_CASE("a plan that cannot be written is reported once, and written when possible") {
   const Scratch folder;
   const auto file = folder / "there" / "plan.txt";
   put(folder / "there", "a file where a directory should be");

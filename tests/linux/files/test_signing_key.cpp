@@ -67,7 +67,7 @@ TEST_CASE("neither another length nor other digits are a key") {
   }
 }
 
-TEST_CASE("32 digits are half of a key, not 32 bytes of chance") {
+TEST_CASE("32 hexadecimal digits are half of a key, not a key of 32 bytes") {
   for (const std::string& half : {kHex.substr(0, 32), kHex.substr(32), kHex.substr(0, 31) + "\n",
                                   kHex.substr(0, 32) + "\n"}) {
     CAPTURE(half);
@@ -77,7 +77,7 @@ TEST_CASE("32 digits are half of a key, not 32 bytes of chance") {
   CHECK(KeyFile(kHex.substr(0, 31) + "g").refusal().empty());
 }
 
-TEST_CASE("a key that others may read or write is none") {
+TEST_CASE("a key that others may read or write is refused") {
   for (const mode_t mode : {0640U, 0604U, 0620U, 0602U, 0610U, 0601U, 0644U, 0777U}) {
     CAPTURE(mode);
     CHECK(KeyFile(raw_key(), mode)
@@ -88,14 +88,14 @@ TEST_CASE("a key that others may read or write is none") {
   CHECK(KeyFile(raw_key(), 0644).refusal().starts_with("has mode 0644"));
 }
 
-TEST_CASE("a key of somebody else is none") {
+TEST_CASE("a key file of another owner is refused") {
   const KeyFile file(raw_key());
   if (::geteuid() != 0) return;  // only root can give files away
   REQUIRE(::chown(file.path.c_str(), 12345, 0) == 0);
   CHECK(file.refusal() == "belongs to user 12345 (allowed: this user or root)");
 }
 
-TEST_CASE("no file and a directory are said") {
+TEST_CASE("a missing file and a directory are reported") {
   const Scratch folder;
   CHECK_THROWS_WITH(read_signing_key(folder / "key"), ("signing-key " + (folder / "key").string() +
                                                        " cannot be read: No such file or directory")

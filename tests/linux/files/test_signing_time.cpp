@@ -33,14 +33,14 @@ TEST_CASE("the time goes to the disk again and again while the boat sails") {
   }
 }
 
-TEST_CASE("a first start has no time, and that is no complaint") {
+TEST_CASE("a first start has no time, and reports no fault") {
   const Scratch folder;
   const StoredSigningTime stored = load_signing_time(folder / "signing_time.txt");
   CHECK(stored.timestamp == 0);
   CHECK(stored.note.empty());
 }
 
-TEST_CASE("a file with any bit flipped, or cut anywhere, is said and not used") {
+TEST_CASE("a file with any bit flipped, or cut anywhere, is reported and not used") {
   const Scratch folder;
   const auto file = folder / "signing_time.txt";
   {
@@ -64,7 +64,7 @@ TEST_CASE("a file with any bit flipped, or cut anywhere, is said and not used") 
   CHECK_FALSE(refused(whole));
 }
 
-TEST_CASE("a disk that does not take the time is said once") {
+TEST_CASE("a disk that cannot store the time is reported once") {
   const Scratch folder;
   put(folder / "state", "a file, no directory");
   SigningTime time(folder / "state" / "signing_time.txt", kThen);

@@ -133,7 +133,7 @@ TEST_CASE("MAVLink bytes in any chunks are logged packet by packet, each link in
   CHECK(logged == sent);
 }
 
-TEST_CASE("many packets in one chunk larger than any record are all there") {
+TEST_CASE("many packets in one chunk larger than any record are all logged") {
   Scratch folder;
   Bytes many;
   for (int i = 0; i < 100; ++i) {
@@ -174,7 +174,7 @@ Bytes setup_signing(bool is_signed) {
   return p;
 }
 
-TEST_CASE("a key that passes by is in no log, whoever sends it, and what is beside it is") {
+TEST_CASE("a signing key in transit is in no log, whoever sends it; its neighbours are") {
   Scratch folder;
   const Bytes noise{0xFD, 40, 0};  // swallows most of what follows
   for (const bool is_signed : {false, true}) {
@@ -227,7 +227,7 @@ TEST_CASE("a file that is full is followed by the next; all records are there, e
   CHECK(std::count(all.begin(), all.end(), '\n') == 500);
 }
 
-TEST_CASE("the oldest files go, of this run and of those before; other files never") {
+TEST_CASE("the oldest files are deleted, of this and earlier runs; other files never") {
   Scratch folder;
   put(folder / "mavlink0-x.tlog", "not mine");
   put(folder / "mavlink0-1.tlog", "not mine");
@@ -275,7 +275,7 @@ TEST_CASE("a log is readable while it is written") {
   CHECK(soon([&] { return logs.counters().written == 1; }));
 }
 
-TEST_CASE("a directory that cannot be written to: said once, counted, the boat sails on") {
+TEST_CASE("a directory that cannot be written to is reported once and counted, the boat sails on") {
   Scratch folder;
   put(folder / "file", "");
   Logs logs({.directory = folder / "file" / "logs"});
@@ -355,7 +355,7 @@ TEST_CASE("a disk that fills up in the middle of a record leaves whole records b
   CHECK(read_tlog(folder / "mavlink-00002.tlog").size() == 1);
 }
 
-TEST_CASE("killed with SIGKILL: what was written before is there, whole") {
+TEST_CASE("killed with SIGKILL: all records written before are there, whole") {
   Scratch folder;
   const pid_t child = ::fork();
   if (child == 0) {

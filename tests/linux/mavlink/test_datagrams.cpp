@@ -47,7 +47,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("nothing is no datagram, and what is no message leaves in one") {
+TEST_CASE("empty output gives no datagram, and bytes that are no message leave in one") {
   CHECK(cut({}).empty());
   const Bytes noise(700, 7);
   CHECK(cut(noise) == std::vector<Bytes>{noise});

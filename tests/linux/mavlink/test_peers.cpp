@@ -41,7 +41,7 @@ TEST_CASE("a peer is answered until it was silent for half a minute") {
   CHECK(knows(peers, 2));
 }
 
-TEST_CASE("a ninth who talks waits until one of the eight has missed three heartbeats") {
+TEST_CASE("a ninth peer waits until one of the eight has missed three heartbeats") {
   Peers peers = full(false);
   peers.accepted(at(9), false, 10'000);
   CHECK_FALSE(knows(peers, 9));
@@ -52,7 +52,7 @@ TEST_CASE("a ninth who talks waits until one of the eight has missed three heart
   CHECK(peers.all().size() == 8);
 }
 
-TEST_CASE("who signs displaces the longest silent of those who do not, at once") {
+TEST_CASE("a signing peer displaces the longest silent non-signing one, at once") {
   Peers peers = full(false);
   peers.accepted(at(9), true, 10'000);
   CHECK(knows(peers, 9));
@@ -60,7 +60,7 @@ TEST_CASE("who signs displaces the longest silent of those who do not, at once")
   CHECK(knows(peers, 2));
 }
 
-TEST_CASE("who does not sign never displaces who does, however silent") {
+TEST_CASE("a peer that does not sign never displaces one that does, however silent") {
   Peers peers = full(true);
   peers.accepted(at(9), false, 29 * kSecond_us);
   CHECK_FALSE(knows(peers, 9));

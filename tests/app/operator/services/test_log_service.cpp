@@ -70,7 +70,7 @@ TEST_CASE("a log that was cut off or removed since it was listed ends there") {
   }
 }
 
-TEST_CASE("a gap that is asked for again is not sent twice, one too many is ignored") {
+TEST_CASE("a gap requested twice is not sent twice, and one request too many is ignored") {
   Shelf shelf;
   shelf.read(0, 180);
   shelf.read(90, 90);
@@ -81,7 +81,7 @@ TEST_CASE("a gap that is asked for again is not sent twice, one too many is igno
   CHECK(sent[2].ofs == 360);
 }
 
-TEST_CASE("what was not wished for is not taken") {
+TEST_CASE("log data that was not requested is not accepted") {
   Shelf shelf;
   shelf.service.bring({false, 0, 0}, shelf.bytes);
   shelf.service.bring_list(std::array{StoredLog{1, 1}, StoredLog{2, 2}});
@@ -93,7 +93,7 @@ TEST_CASE("what was not wished for is not taken") {
   CHECK_FALSE(shelf.service.next(0));
 }
 
-TEST_CASE("without a host there are no logs, and no room is used") {
+TEST_CASE("without a host there are no logs, and no memory is used") {
   LogService none({}, false);
   none.list(1, {{}, 0, 0xFFFF});
   CHECK_FALSE(none.request());

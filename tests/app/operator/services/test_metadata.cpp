@@ -38,7 +38,7 @@ std::string file_at(std::string_view uri) {
   return {bytes.begin(), bytes.end()};
 }
 
-TEST_CASE("a ground station finds every file at the address and with the checksum it is told") {
+TEST_CASE("every file is at the address and has the checksum that a ground station receives") {
   const std::string general = file_at(kGeneralUri);
   CHECK(general_crc() == crc_of(general));
   CHECK(kGeneralUri.size() < 100);  // COMPONENT_METADATA has no room for more

@@ -97,7 +97,7 @@ void check_answer_to_all(Boat& boat, const ParameterInfo& info) {
   }
 }
 
-TEST_CASE("any value that is allowed by itself and beside the others is taken and told to all") {
+TEST_CASE("any value allowed alone and with the others is accepted and sent to all") {
   std::mt19937 random(7);
   for (const ParameterInfo& info : kParameterList) {
     CAPTURE(std::string(info.name));
@@ -126,7 +126,7 @@ TEST_CASE("any value that is allowed by itself and beside the others is taken an
   }
 }
 
-TEST_CASE("a value that is no number, out of range or no whole one changes nothing and is said") {
+TEST_CASE("a NaN, out-of-range or non-whole value changes nothing and is reported") {
   for (const ParameterInfo& info : kParameterList) {
     std::vector<float> bad{NAN,
                            -NAN,
@@ -154,7 +154,7 @@ TEST_CASE("a value that is no number, out of range or no whole one changes nothi
   }
 }
 
-TEST_CASE("a refusal tells an operator what is allowed") {
+TEST_CASE("a refusal states the allowed values") {
   Boat boat;
   const auto said = [&](const char* name, float value) {
     return std::string(boat.set(name, value).sentence.text());
@@ -172,7 +172,7 @@ TEST_CASE("a refusal tells an operator what is allowed") {
   CHECK(said("THR_ARM", 2) == "THR_ARM 2 refused: only while disarmed");
 }
 
-TEST_CASE("while armed only what may change at any time changes") {
+TEST_CASE("while armed, only parameters that may change at any time do") {
   for (const ParameterInfo& info : kParameterList) {
     CAPTURE(std::string(info.name));
     Boat boat;
@@ -199,7 +199,7 @@ TEST_CASE("while armed only what may change at any time changes") {
   }
 }
 
-TEST_CASE("two values that exclude each other: the second one is refused, either way round") {
+TEST_CASE("of two values that exclude each other, the second is refused, in either order") {
   Boat boat;
   CHECK(boat.set("ESC_STBD", 0).outcome == Outcome::kRefused);
   check_refusal(boat, *find_parameter("ESC_STBD"), mav::kParamOutOfRange);
@@ -210,7 +210,7 @@ TEST_CASE("two values that exclude each other: the second one is refused, either
   CHECK_FALSE(contradiction(boat.values));
 }
 
-TEST_CASE("another type than REAL32 is a mismatch, whatever its bits would be as a number") {
+TEST_CASE("any type but REAL32 is a mismatch, whatever its bits would mean as a number") {
   Boat boat;
   for (int type = 0; type < 256; ++type) {
     if (type == mav::kParamReal32) continue;
@@ -221,7 +221,7 @@ TEST_CASE("another type than REAL32 is a mismatch, whatever its bits would be as
   }
 }
 
-TEST_CASE("a name that nobody knows is an error to the asker alone, set or read") {
+TEST_CASE("an unknown name is an error to its sender alone, when set or read") {
   Boat boat;
   for (const std::string name :
        {"", "LAW_K", "LAW_KXX", "law_kx", "_HASH_CHECK", "0123456789ABCDEF", "LAW_KX "}) {
@@ -240,7 +240,7 @@ TEST_CASE("a name that nobody knows is an error to the asker alone, set or read"
   }
 }
 
-TEST_CASE("a stranger sets nothing where one ground station alone may command") {
+TEST_CASE("a stranger sets no parameter where only one ground station may command") {
   Boat boat;
   boat.values.MAV_GCS_SYSID = 254;
   CHECK(boat.set("LAW_KX", 1).outcome == Outcome::kRefused);
@@ -262,7 +262,7 @@ TEST_CASE("no boat follows itself: not under the id that it took, nor under the 
   CHECK(companion.set("FORM_LEADER", 100).outcome == Outcome::kSet);
 }
 
-TEST_CASE("known names are those of the list, whatever the value") {
+TEST_CASE("exactly the names of the list are known, whatever the value") {
   const auto knows = [](const std::string& name) {
     return ParameterService::knows({NAN, {9, 9}, name_of(name), 77});
   };
@@ -283,7 +283,7 @@ TEST_CASE("the list is complete and in order, on the link that asked for it alon
   CHECK(boat.heard(kElsewhere).empty());
 }
 
-TEST_CASE("asked for the list again half way through, it begins anew and is complete") {
+TEST_CASE("a list requested again half way starts again and is complete") {
   Boat boat;
   boat.service.list(kHere);
   for (int i = 0; i < 11; ++i) REQUIRE(boat.service.next(kHere, boat.values));
@@ -293,7 +293,7 @@ TEST_CASE("asked for the list again half way through, it begins anew and is comp
   check_value(messages[0], boat, kParameterList[0]);
 }
 
-TEST_CASE("what was lost of the list is asked for one by one, by index or by name") {
+TEST_CASE("lost parts of the list can be requested one by one, by index or by name") {
   Boat boat;
   for (const ParameterInfo& info : kParameterList) {
     CAPTURE(std::string(info.name));
@@ -322,7 +322,7 @@ TEST_CASE("an index that does not exist is an error that names it") {
   }
 }
 
-TEST_CASE("the value sent is the one in force then, not the one in force when it was asked for") {
+TEST_CASE("the value sent is the one in force when it is sent, not when it was requested") {
   Boat boat;
   boat.read(-1, "LAW_KX");
   boat.set("LAW_KX", 0.5F);
@@ -341,7 +341,7 @@ int rounds_until(Boat& boat, Flood flood, Desired desired) {
   return 1001;
 }
 
-TEST_CASE("however fast one kind of question is asked, the others are answered") {
+TEST_CASE("one kind of request at any rate does not keep the others from being answered") {
   const auto is_value_of = [](std::string name) {
     return [name](const link::Message& m) {
       const auto* value = std::get_if<link::ParamValue>(&m);
@@ -412,7 +412,7 @@ TEST_CASE("however fast one kind of question is asked, the others are answered")
   }
 }
 
-TEST_CASE("more refusals than errors can wait: every parameter's value is still told to all") {
+TEST_CASE("with more refusals than queued errors, every parameter's value is still sent to all") {
   Boat boat;
   for (const ParameterInfo& info : kParameterList) boat.set(std::string(info.name), NAN);
   for (const std::size_t link : {kHere, kElsewhere}) {

@@ -15,7 +15,8 @@ TEST_CASE("a slot that is too fast: the figure is rounded up, beyond the limit")
         "slot needs 1.51 m/s, LAW_U_MAX is 1.5");
 }
 
-TEST_CASE("a boat out of its slot is told by distance, one that spins by its yaw rate") {
+TEST_CASE(
+    "a boat out of its slot is reported with its distance, a spinning one with its yaw rate") {
   Parameters p;
   p.FS_SLOT_M = 5;
   p.LAW_R_MAX = 0.5F;
@@ -27,7 +28,7 @@ TEST_CASE("a boat out of its slot is told by distance, one that spins by its yaw
         "boat spins: 0.61 rad/s, LAW_R_MAX is 0.5");
 }
 
-TEST_CASE("a weak propeller is told with its side, its share, and its time of day or duration") {
+TEST_CASE("a weak propeller is reported with side, share, and time of day or duration") {
   constexpr std::int64_t kMinute_us = 60'000'000;
   const std::int64_t now = 40 * kMinute_us;                           // the boat's clock
   const std::int64_t morning = (20'000 * 24 + 10) * 60 * kMinute_us;  // 10:00 of some day
@@ -41,7 +42,7 @@ TEST_CASE("a weak propeller is told with its side, its share, and its time of da
   CHECK(told(sentence_of(drag, 0, now, 0)) == "Drag 1.5 x VES_D11 for 1 min: identify the hull");
 }
 
-TEST_CASE("a voyage's steps are told from 1, with their names") {
+TEST_CASE("a voyage's steps are reported from 1, with their names") {
   using enum VoyageNews::Kind;
   const std::string count = std::to_string(kVoyageSteps.size());
   CHECK(told(sentence_of(VoyageNews{kBegins, 1, "drift"})) ==
@@ -53,7 +54,7 @@ TEST_CASE("a voyage's steps are told from 1, with their names") {
         "Voyage: over, 40 of " + count + " steps complete");
 }
 
-TEST_CASE("links count from 1, and the first closed one is told") {
+TEST_CASE("links are numbered from 1, and the first closed one is reported") {
   CHECK(told(link_is_closed(0b110)) == "MAVLink link 1 is not open");
 }
 

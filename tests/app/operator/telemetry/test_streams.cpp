@@ -52,7 +52,7 @@ std::int64_t sent(Streams& streams, std::size_t stream, std::size_t link, std::i
   return count;
 }
 
-TEST_CASE("a link nobody has asked for anything hears the defaults") {
+TEST_CASE("a link without requests gets the default streams") {
   const std::map<std::uint16_t, std::int32_t> kDefaults{
       {link::Attitude::kId, 100'000},
       {link::LocalPositionNed::kId, 100'000},
@@ -93,7 +93,8 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
   }
 }
 
-TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken for his") {
+TEST_CASE(
+    "beside an autopilot the boat sends only streams that cannot be mistaken for the autopilot's") {
   RoomyStreams streams(Parameters{}, true, kTick_us);
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     const std::uint16_t id = kStreams[stream].id;
@@ -112,7 +113,7 @@ TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken
   CHECK(is_companions(link::AvailableModes::kId));
 }
 
-TEST_CASE("an interval is each link's own: −1 none, 0 the default, else as asked") {
+TEST_CASE("intervals are set for each link: −1 none, 0 the default, otherwise as requested") {
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     const std::uint16_t id = kStreams[stream].id;
     RoomyStreams streams(Parameters{}, false, kTick_us);
@@ -129,7 +130,7 @@ TEST_CASE("an interval is each link's own: −1 none, 0 the default, else as ask
   }
 }
 
-TEST_CASE("there is no stream of ODOMETRY, of HEARTBEAT, or of what nobody streams") {
+TEST_CASE("no stream can be requested of ODOMETRY, HEARTBEAT, or an unknown message") {
   RoomyStreams streams(Parameters{}, false, kTick_us);
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     bool is_stream = false;
@@ -140,7 +141,7 @@ TEST_CASE("there is no stream of ODOMETRY, of HEARTBEAT, or of what nobody strea
   CHECK(streams.interval_us(0, link::Odometry::kId) == 0);
 }
 
-TEST_CASE("faster than the tick or than the link carries becomes the fastest that it can") {
+TEST_CASE("a rate above that of the tick or the link becomes the fastest possible") {
   constexpr std::uint32_t kSeed = 5;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -166,7 +167,7 @@ TEST_CASE("faster than the tick or than the link carries becomes the fastest tha
   }
 }
 
-TEST_CASE("whatever the tick, as many leave as the interval says, and never two at once") {
+TEST_CASE("at any tick rate as many messages are sent as the interval says, never two at once") {
   constexpr std::uint32_t kSeed = 6;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -186,7 +187,7 @@ TEST_CASE("whatever the tick, as many leave as the interval says, and never two 
   }
 }
 
-TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a client chose") {
+TEST_CASE("a new SR_STATE or SR_SLOW changes streams at that rate, not those set by a client") {
   Parameters p;
   RoomyStreams streams(p, false, kTick_us);
   REQUIRE(streams.set(1, link::Attitude::kId, 40'000, 0));
@@ -210,7 +211,7 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
   CHECK(sent(streams, index_of(link::Attitude::kId), 0, 0, kSecond_us) == 0);
 }
 
-TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW does") {
+TEST_CASE("an SR_SLOW below 1 slows streams with a rate of their own; no other SR_SLOW does") {
   Parameters p;
   RoomyStreams streams(p, false, kTick_us);
   const auto interval_us = [&](float rate_Hz, std::uint16_t id) {
@@ -233,7 +234,7 @@ TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW
   CHECK(streams.slowed_us(kSecond_us) == 4 * kSecond_us);
 }
 
-TEST_CASE("parameters set to what they are shift no stream's grid") {
+TEST_CASE("parameters set to the same value shift no stream's schedule") {
   RoomyStreams streams(Parameters{}, false, kTick_us);
   const std::size_t battery = index_of(link::BatteryStatus::kId);
   CHECK(sent(streams, battery, 0, 0, kTick_us) == 1);
@@ -243,7 +244,7 @@ TEST_CASE("parameters set to what they are shift no stream's grid") {
   }
 }
 
-TEST_CASE("the slowest rates that parameters allow are told truly, or as none") {
+TEST_CASE("the slowest rates that parameters allow are reported correctly, or as none") {
   for (const float rate_Hz : {1e-3F, 5e-4F, 3e-4F, 1e-4F, 1e-6F}) {
     Parameters p;
     p.SR_SLOW = rate_Hz;
@@ -254,7 +255,7 @@ TEST_CASE("the slowest rates that parameters allow are told truly, or as none") 
   }
 }
 
-TEST_CASE("that which is hurried leaves at once on every link that has it, and on its grid again") {
+TEST_CASE("an urgent message is sent at once on every link that has it, then on schedule") {
   RoomyStreams streams(Parameters{}, false, kTick_us);
   const std::size_t mode = index_of(link::CurrentMode::kId);
   for (std::size_t link = 0; link < 3; ++link) {
@@ -286,7 +287,8 @@ struct Rates {
   }
 };
 
-TEST_CASE("a radio whose buffer fills slows its link's telemetry down to a twentieth, and back") {
+TEST_CASE(
+    "a radio whose buffer fills reduces its link's telemetry to a twentieth, then restores it") {
   constexpr std::uint16_t kSlow = link::MavEscStatus::kId;
   Rates rates;
   for (const std::size_t link : {0U, 1U}) REQUIRE(rates.streams.set(link, kSlow, 100'000, 0));
@@ -314,7 +316,7 @@ TEST_CASE("a radio whose buffer fills slows its link's telemetry down to a twent
   CHECK(rates.of(kSlow, 1) == doctest::Approx(1.6).epsilon(0.02));
 }
 
-TEST_CASE("however full a radio, followers hear the state twice a second, or as rarely as asked") {
+TEST_CASE("however full a radio, followers get the state twice a second, or less if requested") {
   Rates rates;
   for (int k = 0; k < 40; ++k) rates.hear(0);
   CHECK(rates.of(link::SysStatus::kId, 1) == doctest::Approx(0.005).epsilon(0.02));
@@ -332,7 +334,7 @@ TEST_CASE("however full a radio, followers hear the state twice a second, or as 
   }
 }
 
-TEST_CASE("a radio that says nothing for more than five seconds has no complaints") {
+TEST_CASE("a radio that is silent for more than five seconds no longer limits its link") {
   Rates rates;
   for (int k = 0; k < 40; ++k) rates.hear(0);
   rates.hear(40, 2);  // neither full nor empty
@@ -351,7 +353,7 @@ TEST_CASE("a radio that says nothing for more than five seconds has no complaint
   CHECK(rates.of(link::SysStatus::kId, 2) == doctest::Approx(0.1).epsilon(0.02));
 }
 
-TEST_CASE("a link is quiet while no stream but the state's waits, whatever was changed between") {
+TEST_CASE("a link is idle while only the state's stream is due, whatever changed before") {
   constexpr std::uint32_t kSeed = 4;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);

@@ -102,7 +102,7 @@ Report any_report(std::mt19937& random) {
   return r;
 }
 
-TEST_CASE("all that is streamed or asked for is told while everything is known, under its number") {
+TEST_CASE("every stream and requestable message is sent under its number when all is known") {
   for (const std::uint16_t id : testing::kEveryId) {
     CAPTURE(id);
     const auto messages = all(id, full());
@@ -154,7 +154,7 @@ TEST_CASE("no stream is longer on the wire than its table says, wherever the ESC
   }
 }
 
-TEST_CASE("what tells the own state is silent without it, what needs the globe without an origin") {
+TEST_CASE("messages of the own state need it, global ones need an origin; else they are not sent") {
   Report blind = full(), lost = full();
   blind.own.reset();
   lost.own->located = false;
@@ -178,8 +178,7 @@ TEST_CASE("what tells the own state is silent without it, what needs the globe w
   CHECK(all(link::HomePosition::kId, new_here).empty());
 }
 
-TEST_CASE(
-    "positions from an origin that is no longer ours are not told, as nobody could place them") {
+TEST_CASE("positions relative to an earlier origin are not sent, as no receiver could place them") {
   Report r = full();
   r.own->located = false;
   r.own->adrift = true;
@@ -188,7 +187,7 @@ TEST_CASE(
   CHECK(all(link::Attitude::kId, r).size() == 1);
 }
 
-TEST_CASE("whether there is such a message at all does not depend on what is known") {
+TEST_CASE("whether a message exists does not depend on the data that is known") {
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     const bool is_made = compose(static_cast<std::uint16_t>(id), 0, full()).has_value();
     CAPTURE(id);
@@ -255,7 +254,7 @@ TEST_CASE("both propellers' ESCs are where their indices say, in one group of fo
   }
 }
 
-TEST_CASE("an ESC that is not heard is offline and has no numbers") {
+TEST_CASE("a silent ESC is offline and has no values") {
   Report r = full();
   r.escs[1].status.reset();
   const auto info = all_as<link::MavEscInfo>(link::MavEscInfo::kId, r);
@@ -300,7 +299,7 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
   CHECK(names(r) == "LRN_BAL LRN_YAWD " + always);
 }
 
-TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whatever is wrong") {
+TEST_CASE("SYS_STATUS reports whether sensors, motors and arming are well, whatever is wrong") {
   constexpr std::uint32_t kSensors = 1 | 2 | 4 | 32 | 0x4000 | 0x200000;
   constexpr std::uint32_t kMotors = 0x8000 | 0x40000000;
   for (unsigned one = 0; one < core::kConditionCount; ++one) {
@@ -322,7 +321,7 @@ TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whateve
   }
 }
 
-TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they are") {
+TEST_CASE("SYS_STATUS reports the health of a fence and a battery where there are any") {
   const auto status_of = [](const Report& r, std::uint32_t bit) {
     const auto s = all_as<link::SysStatus>(link::SysStatus::kId, r)[0];
     CHECK((s.sensors_enabled & bit) == (s.sensors_present & bit));
@@ -345,7 +344,7 @@ TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they
   CHECK(status_of(r, mav::kSensorBattery) == Status{false, false});
 }
 
-TEST_CASE("the boat says what it can, who made it and where its description is") {
+TEST_CASE("the boat reports its capabilities, its vendor and the location of its description") {
   const auto version = all_as<link::AutopilotVersion>(link::AutopilotVersion::kId, full())[0];
   CHECK(version.capabilities == (8192 | 4 | 8 | 16 | 32 | 16384 | 32768));
   CHECK(version.uid != 0);

@@ -27,7 +27,7 @@ TEST_CASE("every state has its own name") {
   CHECK(name_of(State::kFault) == "FAULT");
 }
 
-TEST_CASE("every condition that is not met has a sentence of its own, which fits a STATUSTEXT") {
+TEST_CASE("every unmet condition has its own sentence, which fits into a STATUSTEXT") {
   std::set<std::string> said;
   for (unsigned bit = 0; bit < core::kConditionCount; ++bit) {
     const auto unmet = core::Conditions{1} << bit;
@@ -44,7 +44,7 @@ TEST_CASE("every condition that is not met has a sentence of its own, which fits
   CHECK(said.count("no motor test is running") == 1);
 }
 
-TEST_CASE("several wants are said one by one, the one to see to first in front") {
+TEST_CASE("several unmet conditions are reported one by one, the most important first") {
   const auto said =
       complaints_of(core::kTestRunning | core::kOwnFresh | core::kEscsOnline | core::kBusUp);
   CHECK(said == std::vector<std::string>{"CAN bus is down", "own state is not fresh",

@@ -53,7 +53,7 @@ Shares carried(std::uint32_t rate_Bps, const Traffic& traffic, std::uint32_t see
 
 constexpr double kFlood = 1e6;
 
-TEST_CASE("of a link that both want whole, three fifths are the state's and two the rest's") {
+TEST_CASE("on a saturated link the state gets three fifths and the rest two") {
   for (const std::uint32_t rate_Bps : {250U, 1000U, 5760U, 100'000U}) {
     const Shares got = carried(rate_Bps, {kFlood, kFlood}, 1);
     CAPTURE(rate_Bps);
@@ -62,7 +62,7 @@ TEST_CASE("of a link that both want whole, three fifths are the state's and two 
   }
 }
 
-TEST_CASE("what one leaves, the other has, to the last byte") {
+TEST_CASE("bandwidth that one class leaves is available to the other, completely") {
   for (const std::uint32_t rate_Bps : {250U, 1000U, 5760U, 100'000U}) {
     CAPTURE(rate_Bps);
     CHECK(carried(rate_Bps, {kFlood, 0}, 2).state == doctest::Approx(rate_Bps).epsilon(0.01));
@@ -70,7 +70,7 @@ TEST_CASE("what one leaves, the other has, to the last byte") {
   }
 }
 
-TEST_CASE("whatever the other asks for, each has its share, and what the other leaves of its own") {
+TEST_CASE("each class gets its share, and what the other leaves, whatever the other sends") {
   constexpr std::uint32_t kSeed = 51;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -92,7 +92,7 @@ TEST_CASE("whatever the other asks for, each has its share, and what the other l
   }
 }
 
-TEST_CASE("whatever was sent without asking, each may send again in a second and a half") {
+TEST_CASE("after any sending without permission, each class may send again within 1.5 s") {
   constexpr std::uint32_t kSeed = 52;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -118,7 +118,7 @@ TEST_CASE("whatever was sent without asking, each may send again in a second and
   }
 }
 
-TEST_CASE("a silent link saves up half a second's worth and no more, however long it is silent") {
+TEST_CASE("a silent link saves up half a second of credit at most, however long it is silent") {
   for (const std::int64_t gap_us :
        {kTick_us, kSecond_us, 3600 * kSecond_us, std::numeric_limits<std::int64_t>::max()}) {
     TokenBucket bucket;
@@ -132,7 +132,7 @@ TEST_CASE("a silent link saves up half a second's worth and no more, however lon
   }
 }
 
-TEST_CASE("a link with a limit may not send before it has earned, one without always may") {
+TEST_CASE("a limited link may not send before it has earned credit, an unlimited one always may") {
   TokenBucket bucket;
   CHECK(bucket.limit() == 0);
   for (int k = 0; k < 1000; ++k) {
@@ -154,7 +154,7 @@ TEST_CASE("a link with a limit may not send before it has earned, one without al
   CHECK(bucket.for_rest());
 }
 
-TEST_CASE("the fastest link there is counts without overflow") {
+TEST_CASE("the fastest possible link counts without overflow") {
   TokenBucket bucket;
   bucket.limit(std::numeric_limits<std::uint32_t>::max());
   for (int k = 0; k < 100; ++k) {

@@ -59,7 +59,7 @@ TEST_CASE("commands are read at the indices of the two ESCs, in one frame and in
   }
 }
 
-TEST_CASE("a third ESC that is driven is told") {
+TEST_CASE("a third ESC that is driven is detected") {
   link::RawCommand command;
   command.count = 3;
   command.cmd[2] = 1;
@@ -84,7 +84,7 @@ TEST_CASE("a transfer of several frames is whole with all of them only, unchange
   }
 }
 
-TEST_CASE("who arms first and commands then is told from who does not") {
+TEST_CASE("arming before commanding is told apart from the reverse order") {
   for (const bool first : {true, false}) {
     std::vector<link::CanFrame> frames;
     if (first) put(frames, link::ArmingStatus{255});

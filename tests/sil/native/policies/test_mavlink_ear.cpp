@@ -38,7 +38,7 @@ link::CommandLong command(std::uint16_t number, float first, float second = 0,
   return {number, {first, second, 0, 0, 0, 0, 0}, target, 0};
 }
 
-TEST_CASE("what is asked is heard in every form that there is") {
+TEST_CASE("a request is recognised in every possible form") {
   Ear e;
   e.hear(e.gcs, command(mav::kCmdComponentArmDisarm, 1));
   CHECK(e.n.asked[Ask::kArm] == 1);
@@ -79,7 +79,7 @@ TEST_CASE("a disarm is for this boat unless it names another, and until somethin
   CHECK(!e.n.heard.stop);
 }
 
-TEST_CASE("with MAV_GCS_SYSID, who else arms is not counted among who may") {
+TEST_CASE("with MAV_GCS_SYSID, arming by another station is not counted as allowed") {
   Ear e;
   e.p.MAV_GCS_SYSID = 254;
   e.hear(e.gcs, command(mav::kCmdComponentArmDisarm, 1));
@@ -87,7 +87,7 @@ TEST_CASE("with MAV_GCS_SYSID, who else arms is not counted among who may") {
   CHECK(e.n.asked[Ask::kArmAllowed] == 0);
 }
 
-TEST_CASE("who speaks is heard; what is no whole frame is torn") {
+TEST_CASE("every sender is recorded; an incomplete frame counts as torn") {
   Ear e;
   e.n.leader = static_cast<std::uint8_t>(e.p.FORM_LEADER);
   CHECK(e.hear(e.leader, link::Attitude{}));
@@ -102,7 +102,7 @@ TEST_CASE("who speaks is heard; what is no whole frame is torn") {
   CHECK(!e.ear.hear(std::vector<std::uint8_t>{1, 2, 3}, e.p, e.n));
 }
 
-TEST_CASE("heartbeats, sentences and TIMESYNC requests are read as they are") {
+TEST_CASE("heartbeats, status texts and TIMESYNC requests are read correctly") {
   Ear e;
   e.n.state = core::State::kCoast;
   e.tell(link::Heartbeat{6, 11, 0, 129, 5});
@@ -122,7 +122,7 @@ TEST_CASE("heartbeats, sentences and TIMESYNC requests are read as they are") {
   CHECK(e.n.timesync_us == e.n.now_us);
 }
 
-TEST_CASE("a number that is none, anywhere in a message, is found") {
+TEST_CASE("a NaN or infinity anywhere in a message is found") {
   const float none = std::numeric_limits<float>::quiet_NaN();
   Ear e;
   const auto finite = [&](const link::Message& m) {
@@ -156,7 +156,7 @@ TEST_CASE("times are of this tick or of the one before, and of no other") {
   }
 }
 
-TEST_CASE("a sequence number that is left out, a stranger's frame and half a frame are told") {
+TEST_CASE("a skipped sequence number, a stranger's frame and half a frame are detected") {
   Ear e;
   e.tell(link::Attitude{});
   CHECK(e.n.links.counted);

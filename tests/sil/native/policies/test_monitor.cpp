@@ -41,7 +41,7 @@ TEST_CASE_TEMPLATE("a boat that is armed, sails, is stopped and sails again brea
   CHECK(h.boat.broken() == "");
 }
 
-TEST_CASE("TIMESYNC is asked as often as SR_SLOW says, whenever and however that changes") {
+TEST_CASE("TIMESYNC requests come as often as SR_SLOW says, however it changes") {
   WatchedHarbour<> h(app::Parameters{}, 2);  // the unit speaks on the first link
   link::ParamSet set{1, {1, 1}, {}, mav::kParamReal32};
   app::put_text(set.param_id, "SR_SLOW");
@@ -71,7 +71,7 @@ std::string_view broken_by(WatchedHarbour<>& h, std::uint16_t type,
 
 std::uint16_t type_of(auto message) { return decltype(message)::kType.id; }
 
-TEST_CASE("disarmed, a command that is not zero is told at once") {
+TEST_CASE("disarmed, a nonzero command is reported at once") {
   WatchedHarbour<> h;
   h.sail(2);
   const std::int64_t last_us = h.now_us;
@@ -81,7 +81,7 @@ TEST_CASE("disarmed, a command that is not zero is told at once") {
   CHECK(h.boat.violation()->now_us == last_us + WatchedHarbour<>::kTick_us);
 }
 
-TEST_CASE("what breaks first is kept") {
+TEST_CASE("the first violation is kept") {
   WatchedHarbour<> h;
   h.sail(2);
   broken_by(h, type_of(link::RawCommand{}), [](link::CanFrame& f) { f.data[0] = 0x40; });
@@ -120,7 +120,7 @@ TEST_CASE("frames that are changed on the bus break the rules about them") {
   CHECK(after(arming, id) == "transfer ids increase by one");
 }
 
-TEST_CASE("a boat armed by nobody's command breaks the rule that says so") {
+TEST_CASE("a boat armed without a command breaks the rule for it") {
   WatchedHarbour<> h;
   h.sail(2);
   std::vector<std::uint8_t> unheard = testing::frame_of(
@@ -132,8 +132,7 @@ TEST_CASE("a boat armed by nobody's command breaks the rule that says so") {
   CHECK(h.boat.broken() == "armed only after a command to arm");
 }
 
-TEST_CASE(
-    "a leader lost in the tick in which FORMATION is asked for: COAST at once, no rule broken") {
+TEST_CASE("a leader lost in the tick of the FORMATION request: COAST at once, no rule broken") {
   WatchedHarbour<> h;
   h.sail(2);
   h.arm();
@@ -147,7 +146,7 @@ TEST_CASE(
   CHECK(h.boat.broken() == "");
 }
 
-TEST_CASE("a track that somebody else moved is told") {
+TEST_CASE("a track moved by another sender is reported") {
   WatchedHarbour<> h;
   h.sail(2);
   h.leader_talks = false;
@@ -158,7 +157,7 @@ TEST_CASE("a track that somebody else moved is told") {
   CHECK(h.boat.broken() == "a foreign system id never moves the leader's track");
 }
 
-TEST_CASE("links on which nothing is said break the rule of the heartbeat") {
+TEST_CASE("silent links break the rule of the heartbeat") {
   WatchedHarbour<> h;
   h.sail(2);
   std::array<app::MavlinkLinks::Link, 1> room;

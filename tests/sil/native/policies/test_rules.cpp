@@ -338,7 +338,7 @@ TEST_CASE("every rule can be broken") {
   for (const Rule& rule : kRules) CHECK_MESSAGE(broken.contains(rule.name), std::string(rule.name));
 }
 
-TEST_CASE("where bytes came torn, no rule says that something was not asked for") {
+TEST_CASE("after torn bytes, no rule reports an unrequested action") {
   for (const Ask what :
        {Ask::kArm, Ask::kManual, Ask::kFormation, Ask::kAuto, Ask::kTest, Ask::kAck}) {
     Pair q(kHold);
