@@ -38,7 +38,7 @@ def test_less_coverage_than_its_limit_is_told(room: str, one: Coverage, words: s
     assert words in sentence
 
 
-def test_what_was_not_counted_is_not_covered() -> None:
+def test_parts_that_were_not_counted_are_not_covered() -> None:
     told = " ".join(failures({}))
     for words in ("core: nothing", "link: nothing", "app: nothing", "MC/DC is not complete"):
         assert words in told

@@ -315,7 +315,7 @@ def px4_calls(mavsdk: MavsdkClient) -> dict[str, tuple[Callable[..., Any], IntEn
 
 
 @pytest.mark.parametrize("state", ["HOLD", "FORMATION"])
-def test_what_is_asked_of_a_px4_is_refused_and_changes_nothing(
+def test_px4_requests_are_refused_and_change_nothing(
     sea: Sea, mavsdk: MavsdkClient, state: str
 ) -> None:
     sea.until(lambda: sea.armable)

@@ -83,7 +83,7 @@ def test_a_radio_falls_silent_and_the_follower_notices(
     simulated.until(lambda: simulated.state(1) != "COAST" and simulated.state(2) != "COAST")
 
 
-def test_what_cannot_fail_is_not_injected(simulated: FleetSea, operator: Operator) -> None:
+def test_an_impossible_failure_is_not_injected(simulated: FleetSea, operator: Operator) -> None:
     assert operator.inject(GYRO, OFF) == FailureResult.UNSUPPORTED
     assert operator.inject(GPS, SLOW) == FailureResult.UNSUPPORTED
     assert operator.inject(MOTOR, OFF, 3) == FailureResult.DENIED

@@ -163,7 +163,7 @@ def test_a_boat_whose_process_ends_under_way_ends_the_run(
     assert not (tmp_path / "out" / "summary.json").exists()
 
 
-def test_what_flotillad_refuses_is_told_in_its_own_words(
+def test_a_refusal_by_flotillad_is_reported_in_its_own_words(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with live_buses() as bus:

@@ -158,7 +158,7 @@ def test_no_other_force_number_is_accepted(sea: Sea, number: float, as_int: bool
 @pytest.mark.parametrize("value", [0.5, 2.0, -1.0, 1e-30, math.nan, math.inf, float(FORCE)])
 @pytest.mark.parametrize("param2", [math.nan, float(FORCE)])
 @pytest.mark.parametrize("state", ["DISARMED", "HOLD", "FORMATION"])
-def test_what_is_neither_arm_nor_disarm_is_denied(
+def test_a_value_that_is_neither_arm_nor_disarm_is_denied(
     sea: Sea, state: str, value: float, param2: float
 ) -> None:
     ENTER[state](sea)

@@ -364,7 +364,7 @@ def test_a_disarm_is_obeyed_however_it_is_addressed(target: tuple[int, int], mak
 
 
 @pytest.mark.parametrize("target", [(AUTOPILOT, 1), (BOAT, COMPANION), (BOAT, 0), (AUTOPILOT, 190)])
-def test_what_is_addressed_to_the_autopilot_or_the_old_id_is_not_for_a_companion(
+def test_messages_to_the_autopilot_or_the_old_id_are_not_for_a_companion(
     target: tuple[int, int],
 ) -> None:
     sea = latched()

@@ -18,7 +18,7 @@ def current_mode(sea: Sea) -> tuple[int, int]:
 SET_INTERVAL = 511
 
 
-def test_who_has_asked_for_it_is_told_the_mode_at_each_change_and_every_two_seconds() -> None:
+def test_a_client_that_requests_the_mode_gets_it_at_each_change_and_every_two_seconds() -> None:
     sea = Sea(links=3)
     for link in (0, 1):
         sea.order(SET_INTERVAL, 436.0, 2e6, link=link)

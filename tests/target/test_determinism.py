@@ -96,7 +96,7 @@ def test_boats_in_one_process_share_nothing() -> None:
     assert story("float") == expected
 
 
-def test_what_a_tick_returned_stays_as_it_was() -> None:
+def test_the_output_of_a_tick_is_not_changed_later() -> None:
     sea = Sea()  # no fixture: pytest would keep it alive
     out = sea.boat.tick(sea.now_us)
     kept = list(out.mavlink), list(out.can)

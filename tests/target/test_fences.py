@@ -80,7 +80,7 @@ def ring(count: int) -> list[Item]:
 
 
 @KINDS
-def test_what_was_sent_comes_back_bit_for_bit_and_the_plan_stays(still: Sea, kind: int) -> None:
+def test_an_uploaded_list_comes_back_bit_for_bit_and_the_plan_stays(still: Sea, kind: int) -> None:
     plan = [at(5, 5), at(8, 8)]
     assert send(still, PLAN, plan) == ITEM_ACCEPTED
     assert send(still, kind, KEPT[kind]) == ITEM_ACCEPTED
@@ -207,7 +207,7 @@ TROUBLE: dict[str, Callable[[Sea, int], object]] = {
 
 @KINDS
 @pytest.mark.parametrize("trouble", TROUBLE)
-def test_what_does_not_belong_to_an_upload_changes_nothing_in_it(
+def test_messages_outside_an_upload_change_nothing_in_it(
     still: Sea, kind: int, trouble: str
 ) -> None:
     items = KEPT[kind]
@@ -233,7 +233,7 @@ def test_late_copies_of_items_change_nothing(still: Sea, kind: int, seq: int) ->
 
 
 @KINDS
-def test_who_missed_that_they_were_stored_is_told_again(still: Sea, kind: int) -> None:
+def test_a_client_that_missed_the_final_ack_gets_it_again(still: Sea, kind: int) -> None:
     send(still, kind, KEPT[kind])
     still.say(KEPT[kind][-1].message(len(KEPT[kind]) - 1, kind=kind))
     (ack,) = still.step().named("MISSION_ACK")
@@ -241,7 +241,7 @@ def test_who_missed_that_they_were_stored_is_told_again(still: Sea, kind: int) -
 
 
 @KINDS
-def test_who_may_not_command_the_boat_reads_and_changes_nothing(kind: int) -> None:
+def test_a_client_that_may_not_command_reads_and_changes_nothing(kind: int) -> None:
     sea = Sea({"MAV_GCS_SYSID": 255.0})
     sea.settle()
     send(sea, kind, KEPT[kind])

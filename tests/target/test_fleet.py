@@ -110,7 +110,7 @@ def test_a_run_is_the_same_alone_and_among_others() -> None:
     assert among.compare(1) == alone.compare(1)
 
 
-def test_what_a_ground_station_says_is_heard_and_recorded() -> None:
+def test_messages_of_a_ground_station_are_heard_and_recorded() -> None:
     twins = Twins()
     boat = twins.boat({"MAV_SYSID": 3}, unit=LOCAL, clock=EXACT)
     twins.tick(50)

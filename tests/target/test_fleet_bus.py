@@ -34,7 +34,7 @@ def frames_on_bus(records: bytes) -> list[int]:
 
 
 @pytest.mark.parametrize("node", [20, 21, 22, 23])
-def test_who_asks_an_esc_for_its_name_is_answered(node: int) -> None:
+def test_a_request_for_an_escs_name_is_answered(node: int) -> None:
     twins = alone()
     twins.tick(250)
     twins.compare()

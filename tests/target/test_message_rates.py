@@ -195,7 +195,7 @@ def test_a_rate_asked_for_outlives_a_change_of_state_and_of_parameters(settled: 
     assert said(settled, 33, 2.0) == 0
 
 
-def test_what_cannot_be_told_now_comes_as_asked_for_once_it_can(sea: Sea) -> None:
+def test_a_message_without_data_yet_comes_as_requested_once_it_can(sea: Sea) -> None:
     sea.own.on = False
     sea.run(1.0)
     assert ask(sea, FOLLOW_TARGET, 100_000.0) == ACCEPTED

@@ -62,7 +62,7 @@ def answered(tick: Tick, command: int, result: int, link: int = 0) -> list[Any]:
 
 @pytest.mark.parametrize("unused", [math.nan, 0.0], ids=["NaN", "0"])
 @pytest.mark.parametrize("message_id", ASKED_FOR + ALSO_TOLD)
-def test_what_is_asked_for_follows_its_ack(quiet: Sea, message_id: int, unused: float) -> None:
+def test_a_requested_message_follows_its_ack(quiet: Sea, message_id: int, unused: float) -> None:
     others = answered(quiet.order(REQUEST, message_id, *[unused] * 6), REQUEST, ACCEPTED)
     assert others and {m.get_type() for m in others} == {kind_of(message_id)}
     assert len(others) == {MODES: 7, 251: 22}.get(message_id, 1)
@@ -228,7 +228,7 @@ def test_a_boat_knows_how_often_it_says_what(sea: Sea, message_id: int, interval
 
 
 @pytest.mark.parametrize("message_id", [25, 73, 148, ODOMETRY, 435, 9999])
-def test_what_never_comes_by_itself_has_no_interval(sea: Sea, message_id: int) -> None:
+def test_a_message_that_is_never_sent_unasked_has_no_interval(sea: Sea, message_id: int) -> None:
     sea.run(1.15)
     (told,) = answered(sea.order(GET_INTERVAL, message_id), GET_INTERVAL, ACCEPTED)
     assert (told.message_id, told.interval_us) == (message_id, 0)

@@ -79,7 +79,7 @@ SUB_MODE = "Refused: use mode 0, 4, 5, 6, 10, 11 or 15"
     ],
     ids=str,
 )
-def test_what_a_px4_client_asks_for_neither_starts_nor_stops_a_boat(
+def test_requests_of_a_px4_client_neither_start_nor_stop_a_boat(
     params: tuple[float, ...], words: str
 ) -> None:
     for state, start in (("HOLD", 4), ("FORMATION", FORMATION)):

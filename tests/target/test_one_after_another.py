@@ -204,9 +204,7 @@ def stops(*order: str) -> list[Any]:
 )
 @pytest.mark.parametrize("before", ["nothing", "PINGs", "questions", "arming"])
 @pytest.mark.parametrize("state", ["HOLD", "FORMATION", "MANUAL"])
-def test_what_stops_the_boat_stops_it_whatever_came_before(
-    order: tuple[str, ...], before: str, state: str
-) -> None:
+def test_a_stop_acts_whatever_came_before(order: tuple[str, ...], before: str, state: str) -> None:
     sea = Sea(leader=TURN)
     {"HOLD": Sea.enter_hold, "FORMATION": Sea.enter_formation, "MANUAL": enter_manual}[state](sea)
     flood = {

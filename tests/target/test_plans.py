@@ -283,7 +283,7 @@ def test_late_copies_of_items_change_no_plan(planner: Planner, sea: Sea, seq: in
     assert plan_of(sea) == as_sent(SQUARE)
 
 
-def test_who_missed_that_his_plan_was_stored_is_told_again(planner: Planner, sea: Sea) -> None:
+def test_a_client_that_missed_the_final_ack_gets_it_again(planner: Planner, sea: Sea) -> None:
     planner.send(SQUARE)
     sea.say(SQUARE[-1].message(len(SQUARE) - 1))
     (ack,) = sea.step().named("MISSION_ACK")

@@ -184,7 +184,7 @@ def test_a_message_for_somebody_unknown_goes_nowhere() -> None:
 
 
 @pytest.mark.parametrize("target", [(0, 0), (0, 1)])
-def test_what_is_for_all_is_not_handed_on(target: tuple[int, int]) -> None:
+def test_broadcasts_are_not_forwarded(target: tuple[int, int]) -> None:
     sea = two_links()
     for message in (
         heartbeat(),
@@ -201,7 +201,7 @@ def test_what_is_for_all_is_not_handed_on(target: tuple[int, int]) -> None:
         assert frame not in sent(tick, 0) + sent(tick, 1)
 
 
-def test_what_is_for_this_boat_is_not_handed_on() -> None:
+def test_messages_for_this_boat_are_not_forwarded() -> None:
     sea = two_links()
     frame = sea.gcs.pack(command_long(ARM, 1.0))
     sea.boat.on_mavlink(frame, sea.now_us, 0)
@@ -334,7 +334,7 @@ def test_a_message_on_a_stations_old_link_is_forwarded_to_its_new_link() -> None
     assert frame in sent(tick, 1) and frame not in sent(tick, 0)
 
 
-def test_who_says_nothing_for_ten_seconds_is_gone() -> None:
+def test_a_system_silent_for_ten_seconds_is_forgotten() -> None:
     sea = two_links()
     sea.run(9.0)
     frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))

@@ -166,7 +166,7 @@ def test_a_parameter_on_the_command_line_wins_and_is_not_written_at_exit(
     assert sea.source_node() == 33
 
 
-def test_what_is_saved_while_armed_survives_a_power_cut(sea: RealSea, file: Path) -> None:
+def test_parameters_saved_while_armed_survive_a_power_cut(sea: RealSea, file: Path) -> None:
     sea.start("--param=LAW_KX=0.25")
     sea.enter_formation()
     sea.save_parameters()
@@ -176,7 +176,7 @@ def test_what_is_saved_while_armed_survives_a_power_cut(sea: RealSea, file: Path
     assert is_whole(saved) and "LAW_KX = 0.25\n" in saved
 
 
-def test_what_is_set_while_armed_survives_a_power_cut(sea: RealSea, file: Path) -> None:
+def test_parameters_set_while_armed_survive_a_power_cut(sea: RealSea, file: Path) -> None:
     sea.start("--param=FORM_OFS_N=2")
     sea.enter_formation()
     sea.set_parameter("LAW_KX", 0.25)
@@ -199,7 +199,7 @@ def test_the_last_step_of_a_slider_is_the_one_that_is_saved(sea: RealSea, file: 
     assert sea.process.words.count("saved (changed)") <= elapsed_s + 2
 
 
-def test_what_is_set_after_a_fall_to_defaults_is_saved_when_an_operator_asks_for_it(
+def test_parameters_set_after_a_fall_to_defaults_are_saved_when_an_operator_requests_it(
     sea: RealSea, file: Path
 ) -> None:
     file.write_text("")
@@ -218,7 +218,7 @@ def test_what_is_set_after_a_fall_to_defaults_is_saved_when_an_operator_asks_for
     assert "LAW_KX = 0.25\n" in file.read_text()
 
 
-def test_what_was_set_just_before_the_end_is_saved_at_exit(sea: RealSea, file: Path) -> None:
+def test_parameters_set_just_before_the_end_are_saved_at_exit(sea: RealSea, file: Path) -> None:
     sea.start()
     sea.until(sea.ready)
     sea.set_parameter("LAW_KX", 0.5)

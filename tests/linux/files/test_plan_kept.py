@@ -56,7 +56,7 @@ def fetched(sea: RealSea, kind: int = 0) -> list[tuple[bytes, ...]]:
 
 @pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.parametrize("name", KEPT)
-def test_what_was_stored_is_there_after_a_restart(
+def test_stored_plans_are_there_after_a_restart(
     sea: RealSea, name: str, end: signal.Signals
 ) -> None:
     first, second = KEPT[name]

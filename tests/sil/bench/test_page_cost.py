@@ -16,7 +16,7 @@ def test_boats_in_a_line_say_their_state_ten_times_a_second() -> None:
     assert 9.5 * said[-1][0] < len(states) < 10.5 * said[-1][0] + 2
 
 
-def test_what_a_fleet_costs_the_view_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_cost_of_a_fleet_to_the_view_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--boats", "2", "--seconds", "1"]) == 0
     words = capsys.readouterr().out
     assert "2 boats and their leader send" in words and "% of a core" in words
@@ -24,7 +24,7 @@ def test_what_a_fleet_costs_the_view_is_told(capsys: pytest.CaptureFixture[str])
 
 @pytest.mark.nightly
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
-def test_what_the_page_costs_a_browser_is_told(
+def test_the_cost_of_the_page_to_a_browser_is_reported(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(page_cost, "_WARM_UP_S", 2.0)

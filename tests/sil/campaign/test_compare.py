@@ -116,7 +116,7 @@ def test_a_single_boat_has_no_separation(compare: Callable[..., Compared]) -> No
     assert status == 1 and "closest two boats" not in said
 
 
-def test_what_was_sailed_differently_is_told(
+def test_differences_in_sailing_are_reported(
     compare: Callable[..., Compared], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     compare(A, A)

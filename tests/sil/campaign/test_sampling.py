@@ -147,7 +147,7 @@ def test_a_number_is_scaled_or_added_to_what_is_in_force(
         ("link.loss", 'choice = ["much"]\ncombine = "add"', "needs numbers"),
     ],
 )
-def test_what_cannot_be_varied_is_told_with_file_line_and_key(
+def test_a_key_that_cannot_be_varied_is_reported_with_file_and_line(
     tmp_path: Path, key: str, how: str, said: str
 ) -> None:
     with pytest.raises(ScenarioError) as told:

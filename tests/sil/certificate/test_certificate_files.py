@@ -114,7 +114,7 @@ def test_document_has_every_leg_and_every_kind_of_boat(written: Path) -> None:
     assert still["decay_against_k_x"]["sampled"] == []
 
 
-def test_what_is_infinite_is_null(written: Path) -> None:
+def test_infinity_is_written_as_null(written: Path) -> None:
     document = json.loads((written / "certificate.json").read_text("utf-8"))
     still = document["legs"][1]["cases"][0]["small_gain"]
     assert still["product"] is None and still["gamma1"] is None and still["bound"] == 0.0

@@ -54,7 +54,7 @@ def test_suggested_gains_stand_beside_todays_and_what_they_cost(straight: Certif
     assert f"in place {found.noise['place']:.2g}" in text and found.noise["place"] > 1.0
 
 
-def test_what_the_linearised_loop_leaves_out_is_told(straight: Certificate) -> None:
+def test_the_report_says_what_the_linearised_loop_leaves_out(straight: Certificate) -> None:
     assert "THR_SLEW = 5, THR_DEAD = 0.01: not in the linearised loop" in told(straight)
     assert "concerns small errors" in told(straight)
 

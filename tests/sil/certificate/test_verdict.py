@@ -53,7 +53,9 @@ def test_boats_that_keep_their_slots_are_certified(straight: Certificate) -> Non
         ({"steady": False, "limited": True}, "a propeller at its limit"),
     ],
 )
-def test_what_is_wrong_is_said(straight: Certificate, changes: dict[str, Any], said: str) -> None:
+def test_the_verdict_says_what_is_wrong(
+    straight: Certificate, changes: dict[str, Any], said: str
+) -> None:
     wrong = with_loop(straight, **changes)
     assert not verdict.holds(wrong)
     assert verdict.sentence(wrong).startswith("not certified")

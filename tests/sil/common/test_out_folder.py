@@ -38,7 +38,7 @@ def test_page_of_another_verb_is_not_overwritten(tmp_path: Path) -> None:
         ("no JSON", "holds files that this command has not made"),
     ],
 )
-def test_what_something_else_has_made_is_not_overwritten(
+def test_files_made_by_something_else_are_not_overwritten(
     tmp_path: Path, held: str, said: str
 ) -> None:
     folder = summary(tmp_path / "held", held)

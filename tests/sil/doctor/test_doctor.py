@@ -304,7 +304,7 @@ def test_the_verdict_comes_first_and_is_the_exit_status(patient: Patient) -> Non
     assert {"level", "where", "what", "remedy"} == set(report["findings"][0])
 
 
-def test_what_is_collected_has_logs_and_findings_and_no_key(patient: Patient) -> None:
+def test_the_collection_has_logs_and_findings_and_no_key(patient: Patient) -> None:
     patient.put("/var/log/flotilla/mavlink0-00001.tlog", b"log")
     patient.put("/var/log/flotilla/copy.key", KEY.hex())
     patient.put("/var/lib/flotilla/notes.txt", b"the key is " + KEY)
@@ -385,7 +385,7 @@ def test_what_keeps_a_boat_from_arming_is_wrong_and_the_rest_is_to_look_at(
     assert [(f.level, f.what) for f in found] == [(level, what[0])]
 
 
-def test_who_may_not_look_is_told_to_use_sudo_and_nobody_is_blamed() -> None:
+def test_without_permission_to_look_sudo_is_suggested_and_nobody_is_blamed() -> None:
     if os.geteuid() != 0 or not FLOTILLAD.exists():
         pytest.skip("SKIPPED: only root can look as nobody; or flotillad is not built")
     with TemporaryDirectory() as folder:

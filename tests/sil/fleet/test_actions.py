@@ -186,7 +186,7 @@ def test_after_a_hold_boats_wait_for_a_leader_in_any_order(waters: Waters) -> No
     assert waters.states == ["FORMATION", "LOITER", "FORMATION", "FORMATION"]
 
 
-def test_who_does_not_arm_says_why(waters: Waters) -> None:
+def test_a_boat_that_does_not_arm_says_why(waters: Waters) -> None:
     waters.command(action="stop")
     waters.fault(3, "esc_silent")
     status, words = waters.command(action="arm")
@@ -514,7 +514,9 @@ def test_strangers_are_no_boats(waters: Waters) -> None:
         ({"shape": "diamond", "spacing_m": 4.5, "boats": (1, 2, 3)}, "use 1 or 4 instead of 3"),
     ],
 )
-def test_what_cannot_be_formed_is_refused(waters: Waters, wish: dict[str, Any], said: str) -> None:
+def test_an_impossible_formation_is_refused(
+    waters: Waters, wish: dict[str, Any], said: str
+) -> None:
     sent: list[bytes] = []
     send = Air.send
 

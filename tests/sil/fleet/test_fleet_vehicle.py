@@ -231,7 +231,7 @@ def test_a_command_that_is_repeated_is_carried_out_once(served: Served) -> None:
         (22, (), UNSUPPORTED),
     ],
 )
-def test_what_makes_no_sense_for_a_fleet_is_refused(
+def test_requests_that_make_no_sense_for_a_fleet_are_refused(
     served: Served, number: int, params: tuple[float, ...], result: int
 ) -> None:
     before = list(served.states)

@@ -36,7 +36,7 @@ def record_much(path: Path) -> None:
             recorder.write(bytes(100))
 
 
-def test_what_was_recorded_is_read_back_with_its_digest(tmp_path: Path) -> None:
+def test_a_recording_is_read_back_with_its_digest(tmp_path: Path) -> None:
     digest = record(tmp_path / "recording.bin")
     recording = Recording(tmp_path / "recording.bin")
     assert list(recording) == RECORDS

@@ -147,7 +147,7 @@ def test_a_folder_that_cannot_be_written_to_is_told_before_the_conversion(
     assert_told_in_one_line("/proc/out.mcap: ", capsys)
 
 
-def test_what_was_said_over_two_links_is_told_once(log: Path, tmp_path: Path) -> None:
+def test_a_message_sent_over_two_links_is_logged_once(log: Path, tmp_path: Path) -> None:
     laws = converted(log, tmp_path / "out.mcap")["/boat2/law"]
     assert len(laws) == 5
     for _, law in laws:

@@ -197,7 +197,7 @@ def test_an_interrupted_run_writes_nothing(sail: Callable[..., list[Job]], tmp_p
 
 
 @pytest.mark.parametrize("page", sorted(NAMES))
-def test_what_cannot_be_written_is_told_before_anything_is_sailed(
+def test_a_file_that_cannot_be_written_is_reported_before_anything_is_sailed(
     sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str], page: str
 ) -> None:
     jobs = sail(fleet)

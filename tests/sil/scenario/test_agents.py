@@ -28,7 +28,7 @@ TREES = {
 
 
 @pytest.mark.parametrize("follows", TREES.values(), ids=TREES.keys())
-def test_whoever_hears_several_boats_of_a_thousand_tells_them_apart(follows: list[int]) -> None:
+def test_a_receiver_tells_apart_several_boats_of_a_thousand(follows: list[int]) -> None:
     systems = systems_of(fleet(*follows))
     if 100 in follows:
         assert systems[:100] == [100, *range(1, 100)]

@@ -53,7 +53,7 @@ def test_mismatch_repeats_with_its_seed_and_grows_with_its_share() -> None:
     assert [hull.m11 / 1.012 - 1.0 for hull in tenth[1:]] == pytest.approx([0.2 * o for o in off])
 
 
-def test_what_draws_from_one_stream_moves_no_other() -> None:
+def test_draws_from_one_random_stream_do_not_change_another() -> None:
     calm = drift(bodies_of([diamond("white_noise.power=0.1")]))
     assert np.ptp(calm[:, 1:]) > 0.0
     same_hulls = diamond("white_noise.power=0.1", "mismatch.share=1e-300")

@@ -273,7 +273,7 @@ def test_mistake_beside_a_formation_is_told_by_line_and_key(
 
 
 @pytest.mark.parametrize("key", ["eta", "nu", "input.1.surge_N"])
-def test_what_a_route_determines_cannot_be_overridden(key: str) -> None:
+def test_values_that_a_route_determines_cannot_be_overridden(key: str) -> None:
     with pytest.raises(ScenarioError, match=f"^override .leader.{key}.*leader.waypoints"):
         load("square", [f"leader.{key}=[5, 0, 0]"])
 

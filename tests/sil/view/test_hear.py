@@ -59,7 +59,7 @@ def test_datagrams_of_many_boats_are_heard_and_garbage_between_them_is_counted()
             end.recv(100)
 
 
-def test_what_pymavlink_says_to_its_multicast_group_is_heard() -> None:
+def test_messages_of_pymavlink_to_its_multicast_group_are_heard() -> None:
     group = f"239.255.145.61:{free_port()}"
     listener, mouth = Listener(f"mcast:{group}"), Mouth(f"mcast:{group}")
     fleet = asyncio.run(heard(listener, lambda: mouth.send(said(5, BEAT), 0), {5}))

@@ -31,7 +31,7 @@ def test_replay_page_may_ask_for_nothing_at_all() -> None:
     assert "connect-src 'none'" in page.page_with(NOTHING, "nothing")
 
 
-def test_what_a_boat_says_is_never_markup() -> None:
+def test_texts_of_a_boat_are_never_markup() -> None:
     text = page.page_with(told("</script><script>alert(1)</script>"), "<b>a & b</b>")
     assert text.count("</script>") == page.page_with(NOTHING, "nothing").count("</script>")
     assert "<title>&lt;b&gt;a &amp; b&lt;/b&gt;</title>" in text

@@ -161,7 +161,7 @@ def test_columns_that_nobody_fills_are_not_drawn(browser: Browser, four: Feeder)
     browser.until("return !document.getElementById('plot-thrust').closest('figure').hidden")
 
 
-def test_what_is_told_no_more_is_unknown(browser: Browser, four: Feeder) -> None:
+def test_a_value_that_is_no_longer_sent_is_unknown(browser: Browser, four: Feeder) -> None:
     shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s)]))
     four.frames = lambda t_s: frame(
         t_s, [boat(1, t_s, battery_V=None, u_mps=None, state=None), boat(2, t_s)]

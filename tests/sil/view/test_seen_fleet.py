@@ -163,7 +163,7 @@ def test_zeros_of_an_esc_that_is_not_online_are_no_measurements() -> None:
         assert (set(stbd.values()) == {None}) == (online == 1)
 
 
-def test_what_a_boat_does_not_tell_any_more_is_not_known() -> None:
+def test_a_value_that_a_boat_no_longer_sends_is_not_known() -> None:
     view = Listening()
     for t_s in (0.0, 1.0):
         view.hear(boat(2) + said(2, slot(1.0, 2.0), value("E_X", 1.0), value("E_Y", 0.0)), t_s)
@@ -214,7 +214,7 @@ def test_a_silent_boat_stays_with_its_age_and_what_it_said_last_other_vessels_ar
     assert (vessel["x_m"], vessel["place_age_s"]) == (7.0, 3600.0)
 
 
-def test_what_holds_a_boat_is_told_in_its_words() -> None:
+def test_the_reason_that_holds_a_boat_is_shown_in_its_words() -> None:
     bits = {c["name"]: 1 << c["bit"] for c in flotilla.supervisor_conditions()}
     lost = ALL - bits["leader_fresh"]
     coasting = mavlink.MAVLink_heartbeat_message(11, 0, 137, 6, 5, 3)
@@ -281,7 +281,9 @@ def test_a_boat_that_calls_itself_ardupilots_is_told_by_its_conditions() -> None
     ],
     ids=["COND", "SEP_M", "beacon", "DEPTH", "another component"],
 )
-def test_who_has_once_said_what_only_a_flotilla_says_stays_one(words: bytes, kind: str) -> None:
+def test_a_vessel_that_once_sent_a_flotilla_message_stays_a_flotilla_boat(
+    words: bytes, kind: str
+) -> None:
     view = Listening()
     rover = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 129, 4, 4, 3)
     view.hear(words, 0.0)

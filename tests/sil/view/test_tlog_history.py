@@ -95,7 +95,7 @@ def test_states_and_what_held_them_are_played_back(sailed: tuple[Path, Array]) -
     assert ages[-1] == pytest.approx(0.0, abs=1.0)
 
 
-def test_what_the_escs_said_is_played_back_and_what_nobody_said_has_no_column(
+def test_esc_data_is_played_back_and_missing_data_has_no_column(
     sailed: tuple[Path, Array],
 ) -> None:
     vessels = by_id(history_of_tlog(sailed[0]))

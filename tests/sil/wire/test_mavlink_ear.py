@@ -78,7 +78,7 @@ def test_garbage_hides_no_message_of_a_datagram_behind_it(
     assert ear.damaged == len(wire) - sum(len(own.pack(message)) for _, message in parts)
 
 
-def test_what_pymavlink_finds_in_a_noisy_stream_is_found() -> None:
+def test_every_message_that_pymavlink_finds_in_a_noisy_stream_is_found() -> None:
     rng, station, wire = random.Random(5), Station(3), bytearray()
     for _ in range(400):
         wire += station.pack(rng.choice(SAID))
@@ -118,6 +118,6 @@ def test_signed_messages_are_read() -> None:
     assert numbers(ear, wire) == [messages.ATTITUDE, messages.HEARTBEAT] and ear.damaged == 0
 
 
-def test_what_is_not_known_here_is_told_as_unchecked() -> None:
+def test_an_unknown_message_is_reported_as_unchecked() -> None:
     wire = dialect().MAVLink_current_mode_message(0, 6, 6).pack(dialect().MAVLink(None, 9, 1))
     assert [m[:4] for m in Ear(stream=False).hear(bytes(wire))] == [(436, 9, 1, None)]

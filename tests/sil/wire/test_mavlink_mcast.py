@@ -56,7 +56,7 @@ def test_addresses_are_read_as_they_are_written() -> None:
 
 
 @pytest.mark.parametrize("text", ["1", "239.0.0.1", "10.0.0.1:7", "239.0.0.1:x", "239.0.0.1:7:x:y"])
-def test_what_is_no_group_is_refused(text: str) -> None:
+def test_an_address_that_is_no_multicast_group_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"."):
         group_of(text)
 

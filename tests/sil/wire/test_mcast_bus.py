@@ -179,7 +179,7 @@ def test_an_address_that_is_not_ours_is_named() -> None:
 
 
 @pytest.mark.parametrize("kind", ["is_fd", "is_remote_frame", "is_error_frame"])
-def test_what_is_no_classic_data_frame_is_refused(on: Open, kind: str) -> None:
+def test_a_frame_that_is_no_classic_data_frame_is_refused(on: Open, kind: str) -> None:
     with pytest.raises(can.CanOperationError, match="classic data frames"):
         on(str(BUS)).send(can.Message(arbitration_id=1, **{kind: True}))
 

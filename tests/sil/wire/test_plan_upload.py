@@ -73,7 +73,9 @@ def test_a_refusal_is_told() -> None:
         lambda: answer(mavlink.MAVLink_mission_ack_message(SYSTEM, COMPONENT, 0, 0), system=8),
     ],
 )
-def test_what_is_not_meant_changes_nothing(damaged: Callable[[], bytes]) -> None:
+def test_messages_that_do_not_belong_to_the_upload_change_nothing(
+    damaged: Callable[[], bytes],
+) -> None:
     upload = begun()
     upload.on_mavlink(damaged(), SECOND)
     assert upload.say(SECOND) == b"" and not upload.done and not upload.fault

@@ -43,7 +43,7 @@ def test_pymavlink_takes_what_is_signed() -> None:
         theirs.parse_buffer(stranger)
 
 
-def test_what_pymavlink_signs_is_taken_once() -> None:
+def test_a_message_signed_by_pymavlink_is_accepted_once() -> None:
     ours = Signer(KEY, 70)
     frame = beat(pymavlink())
     assert ours.verifies(frame)
