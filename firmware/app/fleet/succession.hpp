@@ -72,6 +72,9 @@ class Succession {
   /// Rank of the fleet's leader, possibly this boat's own; kNobody: none is known.
   std::size_t leader() const { return leader_; }
 
+  /// The fleet is under way, and no member reports that it hears a leader.
+  bool lost() const { return under_way_ && leader_ == kNobody; }
+
   /// Rank of the leader if this boat hears it itself, and it has no older table than `epoch`.
   std::optional<std::size_t> heard_leader(const FleetTable& table, std::size_t own,
                                           std::uint16_t epoch,

@@ -412,6 +412,24 @@ TEST_CASE(
   CHECK(harbour.boats[0].fleet.take_epoch() == 1);
 }
 
+TEST_CASE("a boat that knows no leader under way sends a beacon every 0.2 s") {
+  FleetTable table = table_of_four(1);
+  for (std::size_t i = 1; i < 4; ++i) table.members[i].can_lead = false;
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of(message_of(table, 0)), 0), kOperator);
+  harbour.sail(5);
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  const std::size_t before = harbour.boats[2].bytes;
+  harbour.sail(4);
+  CHECK((harbour.boats[2].bytes - before) / 25 == 20);
+  harbour.boats[2].state = core::State::kHold;  // it no longer waits for a leader
+  harbour.sail(2);
+  const std::size_t at_rest = harbour.boats[2].bytes;
+  harbour.sail(4);
+  CHECK((harbour.boats[2].bytes - at_rest) / 25 <= 4);
+}
+
 TEST_CASE("without events, beacons of eight boats take at most 5 % of 57,600 Bd, even signed") {
   Harbour harbour;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
