@@ -166,8 +166,14 @@ def test_a_jump_to_an_item_out_of_reach_is_refused_and_the_plan_goes_on() -> Non
     assert sea.state == "AUTO" and progress(sea) == (0, 2, ACTIVE)
 
 
-def test_a_plan_whose_speed_is_above_a_lowered_limit_is_sailed_at_the_limit() -> None:
+@pytest.mark.parametrize("under_way", [False, True])
+def test_a_plan_whose_speed_is_above_a_lowered_limit_is_sailed_at_the_limit(
+    under_way: bool,
+) -> None:
     sea = at_sea([speed(1.2), at(100, 0)])
+    if under_way:
+        sea.mode(AUTO)
+        sea.run(10.0)
     sea.say(param_set("LAW_U_MAX", 0.5))
     sea.step()
     sea.mode(AUTO)

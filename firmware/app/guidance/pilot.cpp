@@ -193,7 +193,8 @@ Target Pilot<S>::stop_ahead() const {
 /// must move on, or both would stand still.
 template <class S>
 BoatBehind<S> Pilot<S>::behind() const {
-  return {follower_.off(), core::max(S(3), S(2) * law_.controller.sight.Delta)};
+  return {follower_.off(), core::max(S(3), S(2) * law_.controller.sight.Delta),
+          law_.controller.outer.u_max};
 }
 
 template <class S>

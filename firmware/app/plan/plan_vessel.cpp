@@ -80,9 +80,10 @@ void PlanVessel<S>::add(const PlanPoint& point) {
 
 /// Share of its speed at which the vessel sails.
 template <class S>
-S pace(const BoatBehind<S>& boat, bool paused) {
+S pace(const BoatBehind<S>& boat, S speed, bool paused) {
   if (paused) return S(0);
-  return core::clamp((boat.far_m - boat.off_m) / (boat.far_m - S(kNear_m)), S(0), S(1));
+  const S share = core::clamp((boat.far_m - boat.off_m) / (boat.far_m - S(kNear_m)), S(0), S(1));
+  return S(0) < boat.most && boat.most < speed ? core::min(share, boat.most / speed) : share;
 }
 
 template <class S>
@@ -95,7 +96,7 @@ void PlanVessel<S>::drive(const core::Drive<S>& desired, const BoatBehind<S>& bo
     from_ = place();
     motion.moved_n = {};
   }
-  const S share = pace(boat, paused);
+  const S share = pace(boat, core::abs(desired.u), paused);
   seen_ = 0;
   foresees_ = false;
   core::drive_forward(limits_, {share * desired.u, share * desired.r, desired.course}, state_, dt);
@@ -105,7 +106,7 @@ template <class S>
 void PlanVessel<S>::forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt) {
   constexpr std::size_t kPassed = 3;  // points behind that are kept
   if (!(S(0) < dt)) return;           // a tick in which the clock stood still
-  const S share = pace(boat, paused);
+  const S share = pace(boat, points_[std::min(state_.next, count_ - 1)].speed, paused);
   advance(state_, share, dt);
   look_ahead(share, dt);
   if (state_.next <= kPassed) return;
