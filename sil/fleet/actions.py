@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rich.console import Console
 
 from sil.fleet import fleet_status
-from sil.fleet.lead import leading_boat, listed, root
+from sil.fleet.lead import leading_boat, root
 from sil.fleet.orders import (
     DISCOVERY_S,
     IS_DISARMED,
@@ -24,6 +24,7 @@ from sil.fleet.orders import (
 from sil.fleet.shape_change import change
 from sil.fleet.station import STALE_S, Station
 from sil.fleet.tables import epoch_at, told_epochs, warnings_of
+from sil.view.seen_table import listed
 from sil.wire.geodesy import LocalFrame
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER, RTL
 from sil.wire.operator import ARM, DISARM, mode_request

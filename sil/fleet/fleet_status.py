@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 from rich.table import Table
 
-from sil.fleet.lead import followed_by, leaders, listed, root
+from sil.fleet.lead import followed_by, leaders, root
 from sil.fleet.station import STALE_S, Station
+from sil.view.seen_table import listed
 
 LEADING = ("AUTO", "GUIDED", "LOITER", "RTL")
 _FOLLOWING = ("FORMATION", "COAST")

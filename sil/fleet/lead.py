@@ -2,21 +2,16 @@
 """Finds the leader of a fleet from the boats' messages."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from sil.fleet.station import Station
+from sil.view.seen_table import listed
 
 
 def leaders(station: Station) -> list[int]:
     """The boats whose last beacons claim the lead: several if the radio network was split."""
     beacons = ((system, station.beacon(system)) for system in station.boats())
     return [system for system, beacon in beacons if beacon is not None and beacon.leads]
-
-
-def listed(boats: Sequence[int]) -> str:
-    """The boats' names: boat 1; boats 1, 2 and 3."""
-    *most, last = map(str, boats)
-    return f"boats {', '.join(most)} and {last}" if most else f"boat {last}"
 
 
 def followed_by(station: Station, system: int) -> int | None:

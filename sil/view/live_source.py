@@ -67,6 +67,7 @@ class Live:
             **({"plans": plans, "texts": self._fleet.texts()} if is_sent else {}),
             "t_s": round(now_s, 3),
             "origin_deg": self._fleet.origin_deg,
+            "table": self._fleet.table.line(now_s),
             "heard": {
                 "address": self._listener.address,
                 "alarm": self._alarm(now_s),

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from sil.view.seen_motion import Origin, Place
 from sil.view.seen_plan import Items, Plans, drawn
+from sil.view.seen_table import SeenTable
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.geodesy import LocalFrame
@@ -36,7 +37,7 @@ class Fleet:
     The view's frame has the first origin that is received; it moves when all vessels now heard are
     more than 50 km away. A silent boat is never dropped, because its last place is where to
     look for it. Others are dropped after 60 s. `length_m`: length of the boats, which they do not
-    send. `plans`: the vessels' plans.
+    send. `plans`: the vessels' plans; `table`: their table.
     """
 
     def __init__(self, length_m: float) -> None:
@@ -44,6 +45,7 @@ class Fleet:
         self.unknown = 0
         self.origin: Origin | None = None
         self.plans = Plans(self._is_vessel)
+        self.table = SeenTable()
         self.texts_heard = 0
         self._texts: deque[tuple[int, float, int, int | None, str]] = deque(maxlen=_MOST_TEXTS)
         self._length_m = length_m
@@ -76,6 +78,7 @@ class Fleet:
             if vessel.texts.last != before:
                 self._note_text(vessel, now_s)
             self.plans.hear(message)
+            self.table.hear(message, now_s)
             if message.number == messages.GPS_GLOBAL_ORIGIN:
                 self._look_at_origin(vessel, now_s)
             elif message.number == messages.POSITION_TARGET_LOCAL_NED:

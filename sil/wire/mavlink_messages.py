@@ -55,5 +55,6 @@ LAYOUTS: dict[int, Struct] = {
     ESC_INFO: Struct("<Q4IH4H4hBBBB"),
     ESC_STATUS: Struct("<Q4i4f4fB"),
     FLEET_BEACON: Struct("<IHHHBBB"),
+    FLEET_TABLE: Struct("<HHHHBB192B"),
 }
 """Fields of messages that are read, in the order of the wire: the widest first, extensions last."""

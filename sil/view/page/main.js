@@ -82,6 +82,7 @@ function tellFleet(frame) {
   alarm(source.cut ? text : frame.heard?.alarm);
   noteClose(frame.vessels);
   for (const [name, line] of Object.entries(fleetLine(frame.vessels))) say(byName(`line-${name}`), line);
+  say(byName("line-table"), frame.table ?? "");
   const troubles = byName("line-troubles").textContent, isWell = !troubles || troubles.startsWith("none");
   byName("line-troubles").className = isWell ? "good" : "bad";
   if (!player) entitle(source.cut ? text : isWell ? "" : troubles);

@@ -38,7 +38,7 @@ function cleanFrame(text) {
   for (const vessel of raw.vessels.map(cleanVessel)) if (vessel) unique.set(vessel.id, vessel);
   const vessels = [...unique.values()].sort((a, b) => a.id - b.id);
   const texts = Array.isArray(raw.texts) ? raw.texts.filter(isText) : [];
-  return { t_s: raw.t_s, plans: cleanPlans(raw.plans), texts, origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
+  return { t_s: raw.t_s, plans: cleanPlans(raw.plans), texts, table: textOr(raw.table), origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
 }
 
 class LiveSource {

@@ -69,6 +69,7 @@ def frame(t_s: float, vessels: list[Any], *texts: tuple[int, float, int, int, st
     content = {
         "t_s": t_s,
         "heard": {**heard, "vessels": len(vessels)},
+        "table": "table 3, boat 1 leads",
         "vessels": vessels,
         "texts": texts,
     }

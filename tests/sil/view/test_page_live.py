@@ -127,6 +127,7 @@ def test_line_on_top_tells_how_the_fleet_is(browser: Browser, four: Feeder) -> N
         "2 in trouble",
         "3 FORMATION, 1 COAST, 1 unknown",
         "farthest from its slot: boat 3, 9.50 m",
+        "table 3, boat 1 leads",
     ]
     # a card with the reason for those in trouble, a row for the others
     whole = "return [...document.querySelectorAll('.whole')].map((c) => c.ariaLabel)"
