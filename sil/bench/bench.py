@@ -8,6 +8,7 @@ firmware's instructions count: the difference of two runs of different length un
 import json
 import os
 import re
+import socket
 import statistics
 import subprocess
 import tempfile
@@ -21,8 +22,10 @@ from rich.table import Table
 
 from sil import ROOT
 from sil.bench import bench_fleet
+from sil.bench.strangers import BAUD, strangers
 from sil.live.live_world import LiveWorld
 from sil.live.live_world import build as build_flotillad
+from sil.live.udp_end import LOOPBACK
 from sil.lockstep.recording import Recording
 from sil.lockstep.world import World
 from sil.results import radio_share
@@ -30,10 +33,12 @@ from sil.scenario import scenario
 
 PROGRAM = ROOT / "build" / "release" / "flotilla_bench"
 RUNS = 7
+PERCENTILES = "p50", "p99", "p99.9", "max"
 DIAMOND_S = 60.0
 FIRMWARE_S = 20
 TICKS_PER_S = 100
 BOAT = 2  # has a leader that is a boat, and has a follower
+CALM_BOAT = 3  # beside it
 
 
 class Figure(TypedDict):
@@ -156,6 +161,29 @@ def measure_live(bus: str, seconds: float, folder: Path, progress: Progress) -> 
     return {**stats, "cpu_share": used[0] / lasted_s, "resident_MB": used[1]}
 
 
+def measure_flooded(bus: str, seconds: float, folder: Path, progress: Progress) -> dict[str, Any]:
+    """Sail `diamond` while strangers disturb boat 2's links; the statistics of boats 2 and 3."""
+    chosen = scenario.load("diamond", [f"duration_s={seconds}"])
+    program = build_flotillad(print)
+    task = progress.add_task(f"sailing {seconds:g} s on {bus}", total=1.0)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind((LOOPBACK, 0))
+        port = probe.getsockname()[1]
+    line = folder / "torn"
+    with LiveWorld(chosen, bus, {}) as world:
+        links = [f"udpin:{LOOPBACK}:{port},signing=off", f"serial:{line}:{BAUD},signing=off"]
+        world.boats[BOAT - 1].more_links += links
+        with strangers(port, line) as sent:
+            began_s, before = time.monotonic(), sent.value
+            world.run(program, folder, lambda share: progress.update(task, completed=share))
+            per_s = (sent.value - before) / (time.monotonic() - began_s)
+    flooded, calm = (
+        json.loads((folder / f"boat{boat}" / "stats.json").read_text(encoding="utf-8"))
+        for boat in (BOAT, CALM_BOAT)
+    )
+    return {"flooded": flooded, "calm": calm, "datagrams_per_s": per_s}
+
+
 def _process_figures(pid: int) -> tuple[float, float]:
     """Seconds of processor time and MB of resident memory of a process."""
     stat = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
@@ -166,7 +194,7 @@ def _process_figures(pid: int) -> tuple[float, float]:
 
 def _print_live(live: dict[str, Any], console: Console) -> None:
     table = Table("µs", title="flotillad at 100 Hz, one of four boats", title_justify="left")
-    for column in ("p50", "p99", "p99.9", "max"):
+    for column in PERCENTILES:
         table.add_column(column, justify="right")
     rows = {
         "wake-up late by": "lateness_us",
@@ -174,7 +202,7 @@ def _print_live(live: dict[str, Any], console: Console) -> None:
         "own state received → RawCommand sent": "response_us",
     }
     for what, key in rows.items():
-        table.add_row(what, *(str(live[key][p]) for p in ("p50", "p99", "p99.9", "max")))
+        table.add_row(what, *(str(live[key][p]) for p in PERCENTILES))
     console.print(table)
     console.print(
         f"processing p99 {live['processing_us']['p99']} µs (target 100); "
@@ -184,11 +212,40 @@ def _print_live(live: dict[str, Any], console: Console) -> None:
     )
 
 
-def tell(json_file: Path | None, console: Console, live: tuple[str, float] | None) -> None:
-    """Measure, print tables, write the figures as JSON; `live`: flotillad's bus and seconds."""
-    with Progress(console=console) as progress, tempfile.TemporaryDirectory() as folder:
-        result = measure_live(*live, Path(folder), progress) if live else measure(progress)
-    (_print_live if live else _print)(result, console)
+def _print_flooded(found: dict[str, Any], console: Console) -> None:
+    flooded, calm = (found[name]["processing_us"] for name in ("flooded", "calm"))
+    console.print(
+        f"processing p99 {flooded['p99']} µs (target 100), "
+        f"{flooded['p99'] / calm['p99']:.1f} × that of boat {CALM_BOAT} beside it (target 2); "
+        f"{found['flooded']['overruns']} overruns in {found['flooded']['ticks']} ticks"
+    )
+    title = f"boat {BOAT} under {found['datagrams_per_s']:,.0f} datagrams per second"
+    table = Table("processing: wake-up → RawCommand sent, µs", title=title, title_justify="left")
+    for column in PERCENTILES:
+        table.add_column(column, justify="right")
+    table.add_row(f"boat {CALM_BOAT}, left alone", *(str(calm[p]) for p in PERCENTILES))
+    table.add_row(f"boat {BOAT}, disturbed", *(str(flooded[p]) for p in PERCENTILES))
+    console.print(table)
+
+
+def tell(
+    json_file: Path | None, console: Console, live: tuple[str, float] | None, *, flood: bool = False
+) -> None:
+    """Measure, print tables, write the figures as JSON.
+
+    `live`: flotillad's bus and seconds; `flood`: there, with strangers on a boat's links.
+    """
+    with Progress(console=console) as progress, tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)  # flotillad is another user's
+        if live is None:
+            result = measure(progress)
+        elif flood:
+            result = measure_flooded(*live, folder, progress)
+        else:
+            result = measure_live(*live, folder, progress)
+    show = _print if live is None else _print_flooded if flood else _print_live
+    show(result, console)
     if json_file:
         json_file.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
 

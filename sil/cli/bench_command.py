@@ -15,6 +15,7 @@ EXAMPLES = (
     "tools/bench",
     "flotilla bench --commands",
     "tools/bench --live --seconds 60",
+    "tools/bench --live --flood --seconds 30",
     "tools/bench --json out/bench.json",
 )
 
@@ -24,6 +25,11 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures to FILE")
     parser.add_argument(
         "--live", action="store_true", help="measure flotillad's latencies on a live bus"
+    )
+    parser.add_argument(
+        "--flood",
+        action="store_true",
+        help="with --live: strangers flood one boat's links and tear them; compare it with another",
     )
     parser.add_argument(
         "--commands", action="store_true", help="time the commands that users wait for"
@@ -43,5 +49,8 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         return 0
     from sil.bench.bench import tell
 
-    tell(options.json, Console(), (options.bus, options.seconds) if options.live else None)
+    if options.flood and not options.live:
+        raise ValueError("--flood needs --live")
+    live = (options.bus, options.seconds) if options.live else None
+    tell(options.json, Console(), live, flood=options.flood)
     return 0

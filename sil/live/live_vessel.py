@@ -38,8 +38,9 @@ class Outlet(Protocol):
 class LiveBoat:
     """A flotillad, its bus with two ESCs, its navigation unit and its radio.
 
-    `escs_speak`: whether the ESCs' frames are sent on the bus. `ears`: called with every message
-    that the boat sends by radio, and its time, us.
+    `more_links`: addresses of further MAVLink links of the flotillad. `escs_speak`: whether the
+    ESCs' frames are sent on the bus. `ears`: called with every message that the boat sends by
+    radio, and its time, us.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class LiveBoat:
         self.ears: list[Callable[[bytes, int], None]] = []
         self.process: subprocess.Popen[bytes] | None = None
         self._words = Path()
+        self.more_links: list[str] = []
         self.escs_speak = True
         self._parameters = parameters
         self._clock = clock
@@ -90,7 +92,8 @@ class LiveBoat:
         self._words = folder / "flotillad.log"
         set_up(folder / "state", self._parameters)
         options = [f"--can={self.bus}", f"--state-dir={folder / 'state'}"]
-        options += [f"--mavlink={link.address}" for link in (self.navigation, self.radio)]
+        links = [self.navigation.address, self.radio.address, *self.more_links]
+        options += [f"--mavlink={address}" for address in links]
         options += [f"--param={name}={value!r}" for name, value in self._parameters.items()]
         options += [f"--stats={folder / 'stats.json'}", *more]
         with self._words.open("ab") as log:

@@ -99,7 +99,7 @@ class LiveWorld:
         if gcs is not None and not gcs.startswith("udpout:"):
             raise ValueError(f'--gcs "{gcs}": must be udpout:HOST:PORT')
         self._scenario = scenario
-        self._gcs = [] if gcs is None else [f"--mavlink={gcs}"]
+        self._gcs = [] if gcs is None else [gcs]
         link_rng = generator(scenario.seed, Stream.LINKS)
         clocks = clocks_of(scenario)
         self._parameters = parameters_of(scenario, param_overrides)
@@ -169,8 +169,8 @@ class LiveWorld:
         """Start the boats' processes and sail the scenario; the motion since the release."""
         for i, boat in enumerate(self.boats):
             folder = out / f"boat{boat.system}"
-            links = [*self._gcs, *(f"--mavlink={door.address}" for door in self._tcp[i : i + 1])]
-            boat.start(program, folder, f"--log={folder / 'log'}", *links)
+            boat.more_links += [*self._gcs, *(door.address for door in self._tcp[i : i + 1])]
+            boat.start(program, folder, f"--log={folder / 'log'}")
         tick_us = self._start()
         self.release_unix_s = time.time() + 1e-6 * (tick_us - now_us())
         tracer = Tracer([self._scenario], self._bodies, [slots_of(self._parameters)])
