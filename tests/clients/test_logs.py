@@ -21,7 +21,7 @@ from tests.clients.boat import BOTH_IDENTITIES, Sea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
 from tests.linux.conftest import bus
-from tests.linux.process import LOOPBACK, PROGRAM, free_port
+from tests.linux.process import LOOPBACK, PROGRAM
 
 __all__ = ["bus"]
 
@@ -79,10 +79,11 @@ class LogSea(Sea):
             (self.logs / name).write_bytes(random.Random(size).randbytes(size))
         for path in (self.logs, *self.logs.iterdir()):
             path.chmod(0o777)
-        self.losses = Losses(free_port(), share)
+        self._share = share
         super().__init__(bus, folder, autopilot)
 
     def start(self, *_: str, **how: Any) -> None:
+        self.losses = Losses(self.port, self._share)
         super().start(
             f"--mavlink=udpout:{LOOPBACK}:{self.losses.port}", f"--log={self.logs}", **how
         )
