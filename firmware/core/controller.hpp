@@ -147,7 +147,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   push_forward(approach_params(params), params.vessel, state.approach, in, slot, dt);
   const auto [sailed, sight] = course(params, state.approach, in, slot, error);
   virtual_sway_forward(params.vessel, state.outer, dt);
-  VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight, dt);
+  VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
   if (traffic == nullptr || traffic->count == 0) {
     state.separation = {};

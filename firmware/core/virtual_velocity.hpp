@@ -5,8 +5,7 @@
 //   r* = r_S − k_ψ tanh e_ψ          ṙ* = ṙ_S − k_ψ (1 − tanh² e_ψ) ė_ψ            (eq:49b)
 //   v̇* = −(m11/m22) u* r* − (d22/m22) v*,  v*(0) = v_L(0) (eq:mas-constraint)
 //
-// A line of sight replaces e_ψ by e_ψ − θ and adds θ̇, θ̈; then |u*| ≤ u_max, |r*| ≤ 0.97 r_max, and
-// r* changes by 7 r_max in a second at most.
+// A line of sight replaces e_ψ by e_ψ − θ and adds θ̇, θ̈; then |u*| ≤ u_max, |r*| ≤ r_max.
 // v* over a step h with constant u*, r*, exactly:
 //   v* ← e^{−bh} v* − (m11/d22)(1 − e^{−bh}) u* r*,   b = d22/m22
 //
@@ -16,12 +15,9 @@
 //  v_star        sway that follows from u*, r*   m/s         ±20
 //  h             control step                    s           0 … 0.2
 //
-// Not in paper: θ and the limits. The propellers answer late, so a boat turns a little faster than
-// r*, and much faster where r* jumps from side to side, as it does behind a reference that many
-// boats have relayed: hence 0.97 and 7 r_max/s, which keep the boat itself within r_max. The limits
-// apply over ground; through the water ν* differs by the current. A slot with |w_S| > u_max or
-// |r_S| > r_max is reported as too fast. At a limit the derivative is 0, and v* follows from the
-// limited u*, r*.
+// Not in paper: θ and the limits. Both limits apply over ground; through the water ν* differs by
+// the current. A slot with |w_S| > u_max or |r_S| > r_max is reported as too fast. At a limit the
+// derivative is 0, and v* follows from the limited u*, r*.
 //
 // Q16.16: tested within ±500 (damping, kg/s)
 #pragma once
@@ -101,26 +97,10 @@ S desired_surge(const VirtualVelocityParams<S>& params, const Slot<S>& slot,
   return slot.nu.u - params.k_x * error.e.x;  // (eq:49a)
 }
 
-/// Limits r*, and its change in the h seconds since the previous step; 0: the first step, which may
-/// have any r*. Returns whether it did.
-template <class S>
-bool keep_yaw_rate(S r_max, S held, S h, S& r_star, S& r_star_dot) {
-  bool limited = keep_within(S(0.97) * r_max, r_star, r_star_dot);
-  const S most = S(7) * r_max * h;
-  if (S(0) < most && most < abs(r_star - held)) {
-    r_star = clamp(r_star, held - most, held + most);
-    r_star_dot = S(0);
-    limited = true;
-  }
-  return limited;
-}
-
-/// h: s since the previous step, 0 in the first.
 template <class S>
 VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
                                     const VirtualVelocityState<S>& state, const Slot<S>& slot,
-                                    const FormationError<S>& error, const LineOfSight<S>& sight,
-                                    S h) {
+                                    const FormationError<S>& error, const LineOfSight<S>& sight) {
   const S t = tanh(wrap_pi(error.e.psi - sight.theta));
   VirtualVelocity<S> out;
   out.nu_star.u = desired_surge(params, slot, error);
@@ -131,9 +111,7 @@ VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
                    params.k_psi * (S(1) - t * t) * (error.e_dot.psi - sight.theta_dot) +
                    sight.theta_ddot;
   if (keep_within(params.u_max, out.nu_star.u, out.u_star_dot)) out.limits |= kSpeedLimit;
-  if (keep_yaw_rate(params.r_max, state.r_star_held, h, out.nu_star.r, out.r_star_dot)) {
-    out.limits |= kYawRateLimit;
-  }
+  if (keep_within(params.r_max, out.nu_star.r, out.r_star_dot)) out.limits |= kYawRateLimit;
   return out;
 }
 

@@ -108,8 +108,7 @@ core::VirtualVelocity<S> papers_velocity(const core::VirtualVelocityParams<S>& p
                                          const core::VirtualVelocityState<S>& state,
                                          const core::ControllerInput<S>& in,
                                          const core::Vec2<S>& d) {
-  return core::virtual_velocity(params, state, core::slot_beside(in, d), papers_error(in, d), {},
-                                S(0));
+  return core::virtual_velocity(params, state, core::slot_beside(in, d), papers_error(in, d), {});
 }
 
 template <class S>

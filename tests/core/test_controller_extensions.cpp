@@ -46,7 +46,7 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
     out.sight = to_slot.sight;
   }
   virtual_sway_forward(params.vessel, state.outer, dt);
-  out.desired = virtual_velocity(limits.outer, state.outer, sailed, out.error, out.sight, dt);
+  out.desired = virtual_velocity(limits.outer, state.outer, sailed, out.error, out.sight);
   VirtualVelocity<S> through_the_water = out.desired;
   Nu<S> nu = seen.nu;
   if (piece != Extension::kCurrent) {
