@@ -78,7 +78,8 @@ class Fleet:
             if vessel.texts.last != before:
                 self._note_text(vessel, now_s)
             self.plans.hear(message)
-            self.table.hear(message, now_s)
+            if vessel.kind is not None:  # a station's beacons are no member's
+                self.table.hear(message, now_s)
             if message.number == messages.GPS_GLOBAL_ORIGIN:
                 self._look_at_origin(vessel, now_s)
             elif message.number == messages.POSITION_TARGET_LOCAL_NED:

@@ -8,7 +8,8 @@ from sil.wire.fleet_table import Beacon, beacon_of
 from sil.wire.mavlink_ear import Message
 
 _FRESH_S = 3.0  # each member sends a beacon every 1.2 s
-_IN_FORCE = 8  # flag of a FLEET_TABLE whose time has come
+# Flags of a FLEET_TABLE: places are still to be assigned; its time has come.
+_REQUEST, _IN_FORCE = 4, 8
 
 
 class SeenTable:
@@ -24,7 +25,7 @@ class SeenTable:
             return
         if message.number == messages.FLEET_BEACON:
             self._beacons[message.system] = now_s, beacon_of(message.fields)
-        elif message.number == messages.FLEET_TABLE:
+        elif message.number == messages.FLEET_TABLE and not message.fields[4] & _REQUEST:
             in_ms, epoch, _, _, flags = message.fields[:5]
             self._next = epoch, now_s + (0.0 if flags & _IN_FORCE else 0.001 * in_ms)
 
@@ -36,14 +37,14 @@ class SeenTable:
             return ""
         epoch, at_s = self._next
         leads = [system for system, beacon in sorted(fresh.items()) if beacon.leads]
-        late = [system for system, beacon in sorted(fresh.items()) if beacon.epoch < newest]
+        late = [system for system, beacon in sorted(fresh.items()) if 0 < beacon.epoch < newest]
         parts = [f"table {newest}"]
         if epoch == newest and at_s > now_s:
             parts[0] += f" comes into force in {at_s - now_s:.0f} s"
         verb = "leads" if len(leads) == 1 else "lead"
         parts.append(f"{listed(leads)} {verb}" if leads else "no boat leads")
         if late:
-            parts.append(f"{listed(late)} without it")
+            parts.append(f"{listed(late)} {'has' if len(late) == 1 else 'have'} an older one")
         return ", ".join(parts)
 
 

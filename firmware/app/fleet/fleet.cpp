@@ -15,7 +15,8 @@ constexpr unsigned kHears = 2;  // first bit of the rank, from 1, of the leader 
 constexpr std::int64_t kBeacon_us = 1'200'000;
 // A change is sent at once and repeated, because radios lose packets.
 constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
-// While the fleet has no leader: the next one waits for a beacon of each member.
+// While a fit boat has no leader, at most until its coast ends: the next leader waits for a beacon
+// of each member.
 constexpr std::int64_t kLost_us = 200'000;
 // A boat without the newest table gets it from the member with the earliest turn.
 constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
@@ -492,7 +493,8 @@ std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
   const bool speaks = ledger_.newest().epoch != 0 ? is_of(ledger_.newest(), system_) : asks_;
   if (!speaks || now_us < beacon_us_) return std::nullopt;
   asks_ = false;
-  beacon_us_ = now_us + (succession_.lost() ? kLost_us : kBeacon_us);
+  const bool waited_for = succession_.lost() && (told_.flags & kFit) != 0;
+  beacon_us_ = now_us + (waited_for ? kLost_us : kBeacon_us);
   if (repeats_ > 0) beacon_us_ = now_us + kRepeats_us[kRepeats_us.size() - repeats_--];
   ++told_.sequence;
   return told_;

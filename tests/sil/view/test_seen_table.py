@@ -37,10 +37,12 @@ def test_the_leader_is_named_and_so_is_who_has_an_older_table() -> None:
     now = heard(table, 1.0, *(beacon(k, 4, FIT | LEADS * (k == 2)) for k in (1, 2, 3)))
     assert now == "table 4, boat 2 leads"
     assert (
-        heard(table, 2.0, beacon(2, 5, FIT)) == "table 5, no boat leads, boats 1 and 3 without it"
+        heard(table, 2.0, beacon(2, 5, FIT))
+        == "table 5, no boat leads, boats 1 and 3 have an older one"
     )
     assert (
-        heard(table, 3.0, beacon(1, 5, FIT | LEADS)) == "table 5, boat 1 leads, boat 3 without it"
+        heard(table, 3.0, beacon(1, 5, FIT | LEADS))
+        == "table 5, boat 1 leads, boat 3 has an older one"
     )
     assert table.line(4.5) == "table 5, boat 1 leads"  # boat 3 is silent
     assert table.line(9.0) == ""
