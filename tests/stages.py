@@ -93,6 +93,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     out = shlex.quote(str(OUT))
     junit = f"--junitxml={out}/{{}}.xml"
     pytest = ".venv/bin/pytest -rs -o junit_family=xunit1"
+    failed = "--last-failed --last-failed-no-failures none"
     in_time = f"{pytest} -o cache_dir={out}/{{}}.failed"
     workers = "--numprocesses {} --dist loadfile --no-loadscope-reorder"
     every = " --all" if options.all else ""
@@ -119,11 +120,11 @@ def stages(options: argparse.Namespace) -> list[Stage]:
                        f"tools/with-vcan {in_time.format('vcan')} {junit.format('vcan')}{every}"
                        " tests/vcan"),
               ("release",), tests=True, live=True, nice=0,
-              again=f"tools/with-vcan {in_time.format('vcan')} --last-failed{every} tests/vcan"),
+              again=f"tools/with-vcan {in_time.format('vcan')} {failed}{every} tests/vcan"),
         Stage("live", (f"{in_time.format('live')} {junit.format('live')} {live}{every}"
                        f" {workers.format(4)} {words if options.only == 'live' else ''}",),
               ("release",), tests=True, live=True, nice=0,
-              again=f"{in_time.format('live')} --last-failed {live}{every}"),
+              again=f"{in_time.format('live')} {failed} {live}{every}"),
         Stage("python", (f"{pytest} {junit.format('python')} {not_live} {workers.format(3)}{every}"
                          f" {words}",),
               ("release",), tests=True),

@@ -174,7 +174,7 @@ double off_before_the_wind(double push_N, double aside) {
   return std::hypot(boat.hull.q[0] - leader.back().place.x, boat.hull.q[1]);
 }
 
-TEST_CASE_TEMPLATE("a force from astern as strong as the drag does not keep a boat from its track",
+TEST_CASE_TEMPLATE("a force from astern, even stronger than the drag, keeps no boat from its track",
                    S, float, double) {
   for (const double share : {0.0, 0.9, 1.0, 1.4, 3.0}) {
     INFO("push over drag ", share);

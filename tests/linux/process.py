@@ -91,7 +91,8 @@ def _free_ports() -> Iterator[int]:
     """
     ephemeral = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text()
     first, last = map(int, ephemeral.split())
-    ports = [port for port in range(2048, 65536) if not first <= port <= last]
+    every = range(2048, 65536)
+    ports = [port for port in every if not first <= port <= last] or [*every]
     start = os.getpid() * 64 % len(ports)
     for port in itertools.cycle(ports[start:] + ports[:start]):
         if _is_free(port):

@@ -53,7 +53,7 @@ TEST_CASE("a number outside Q16's range saturates and raises the overflow flag")
   CHECK_FALSE(core::take_overflow<Q16>());
 }
 
-TEST_CASE("numbers are sent unchanged; whole numbers are truncated towards zero") {
+TEST_CASE("numbers are converted unchanged; whole numbers are truncated towards zero") {
   for (const double x : {-32768.0, -2.75, -kLsb, 0.0, kLsb, 0.5, 32768 - kLsb}) {
     CHECK(number(q16_of(x)) == x);
     CHECK(whole(q16_of(x)) == static_cast<int>(x));

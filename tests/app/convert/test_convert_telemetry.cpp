@@ -157,7 +157,7 @@ TEST_CASE("bearing, distance and target point from the boat to its slot, whateve
   }
 }
 
-TEST_CASE("an offset beyond the message's range saturates; it does not wrap") {
+TEST_CASE("a distance to the slot beyond the message's range saturates; it does not wrap") {
   for (const double far : {65'534.0, 65'536.0, 1e6, 1e12, 1e200}) {
     const Scene s{0, 0, 0, far, 0, 0};
     CHECK(nav_controller_output_of(s.state(), s.error()).wp_dist ==

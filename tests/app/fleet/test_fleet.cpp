@@ -218,7 +218,7 @@ TEST_CASE("a boat that a table makes leader follows none of its followers") {
   CHECK(harbour.leader_of(1) == 0);
 }
 
-TEST_CASE("half of the fleet continues without the leader: it has no plan, so it waits") {
+TEST_CASE("half of the fleet continues without the leader: it is no majority, so it waits") {
   Harbour harbour = under_way();
   harbour.boats[0].on = harbour.boats[1].on = false;
   harbour.sail(2);

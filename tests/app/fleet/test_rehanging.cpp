@@ -79,7 +79,7 @@ std::vector<FleetTable> trees(std::size_t boats) {
   return found;
 }
 
-TEST_CASE("whichever boat fails, all others follow one leader, none deeper than before") {
+TEST_CASE("whichever boats fail, all others follow one leader, none deeper than before") {
   std::size_t judged = 0, hung = 0;
   for (std::size_t boats = 2; boats <= kMaxBoats; ++boats) {
     for (const FleetTable& tree : trees(boats)) {

@@ -76,7 +76,7 @@ TEST_CASE("a boat without a key accepts nothing, not even messages signed with z
   CHECK(none.check(Sender().frame(1, SigningKey{})) == kForged);
 }
 
-TEST_CASE("every bit of a frame is signed, except those that make it a frame") {
+TEST_CASE("a frame with any bit changed is a forgery") {
   Keyed boat;
   for (std::size_t bit = 0; bit < 8 * kByPymavlink.size(); ++bit) {
     Bytes changed = kByPymavlink;
@@ -388,7 +388,7 @@ TEST_CASE("with an earlier stored time, or none, a boat stamps its messages by i
   }
 }
 
-TEST_CASE("every stamp is newer than all earlier ones and is read off the clock") {
+TEST_CASE("every stamp is newer than all that were sent or received, and than the clock") {
   constexpr std::uint32_t kSeed = 77;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
