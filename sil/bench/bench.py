@@ -8,7 +8,6 @@ firmware's instructions count: the difference of two runs of different length un
 import json
 import os
 import re
-import socket
 import statistics
 import subprocess
 import tempfile
@@ -23,6 +22,7 @@ from rich.table import Table
 from sil import ROOT
 from sil.bench import bench_fleet
 from sil.bench.strangers import BAUD, strangers
+from sil.live.free_port import free_port
 from sil.live.live_world import LiveWorld
 from sil.live.live_world import build as build_flotillad
 from sil.live.udp_end import LOOPBACK
@@ -166,9 +166,7 @@ def measure_flooded(bus: str, seconds: float, folder: Path, progress: Progress) 
     chosen = scenario.load("diamond", [f"duration_s={seconds}"])
     program = build_flotillad(print)
     task = progress.add_task(f"sailing {seconds:g} s on {bus}", total=1.0)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind((LOOPBACK, 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     line = folder / "torn"
     with LiveWorld(chosen, bus, {}) as world:
         links = [f"udpin:{LOOPBACK}:{port},signing=off", f"serial:{line}:{BAUD},signing=off"]

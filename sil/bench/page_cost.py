@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import psutil
 from tornado.websocket import websocket_connect
 
+from sil.live.free_port import free_port
 from sil.lockstep.world import sail
 from sil.scenario import arguments, scenario
 from sil.scenario.scenario import Scenario
@@ -109,9 +110,7 @@ def _say(said: Said, port: int, stop: threading.Event) -> None:
 @contextmanager
 def viewed(said: Said) -> Iterator[tuple[str, int]]:
     """A server as `tools/view` runs it, which receives the traffic: page's address, process id."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind((LOOPBACK, 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     command = ["-m", "sil", "view", f"udpin:{LOOPBACK}:{port}", "--bind", f"{LOOPBACK}:0"]
     server = subprocess.Popen(  # noqa: S603
         [sys.executable, *command], stdout=subprocess.PIPE, text=True

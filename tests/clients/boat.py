@@ -11,7 +11,8 @@ import flotilla
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.linux.process import LOOPBACK, PATIENT, RealSea, free_port
+from sil.live.free_port import free_port
+from tests.linux.process import LOOPBACK, PATIENT, RealSea
 from tests.target.stations import BOAT
 
 ESCS_SILENT = "PreArm: ESCs are not online"

@@ -12,11 +12,12 @@ import flotilla
 import numpy as np
 
 from sil.faults.rows import FOLDER
+from sil.live.free_port import free_port
 from sil.lockstep.batch import Batch
 from sil.lockstep.start import start
 from sil.scenario import scenario
 from tests.clients.boat import Client
-from tests.linux.process import LOOPBACK, free_port
+from tests.linux.process import LOOPBACK
 
 _PATIENCE_S = 30.0
 

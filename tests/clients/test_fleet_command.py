@@ -18,7 +18,8 @@ import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.linux.process import LOOPBACK, PROGRAM, free_port
+from sil.live.free_port import free_port
+from tests.linux.process import LOOPBACK, PROGRAM
 from tests.live_buses import live_buses
 
 _PATIENCE_S = 90.0

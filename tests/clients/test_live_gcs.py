@@ -15,10 +15,11 @@ import psutil
 import pytest
 from mavsdk.plugins.mission.mission import MissionError
 
+from sil.live.free_port import free_port
 from tests.clients.boat import Client
 from tests.clients.test_missions import Planner
 from tests.linux.conftest import bus
-from tests.linux.process import LOOPBACK, PROGRAM, free_port
+from tests.linux.process import LOOPBACK, PROGRAM
 
 __all__ = ["bus"]
 

@@ -7,7 +7,6 @@ clock and all others are CLOCK_MONOTONIC.
 
 from __future__ import annotations
 
-import itertools
 import os
 import pty
 import select
@@ -16,7 +15,7 @@ import socket
 import subprocess
 import time
 import tty
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, Self
@@ -82,36 +81,6 @@ class End(Protocol):
     def receive(self) -> list[bytes]: ...
     def send(self, data: bytes) -> None: ...
     def close(self) -> None: ...
-
-
-def _free_ports() -> Iterator[int]:
-    """UDP ports outside the ephemeral range; those of processes that run together differ.
-
-    The kernel could give an ephemeral port to another program before the test opens it.
-    """
-    ephemeral = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text()
-    first, last = map(int, ephemeral.split())
-    every = range(2048, 65536)
-    ports = [port for port in every if not first <= port <= last] or [*every]
-    start = os.getpid() * 64 % len(ports)
-    for port in itertools.cycle(ports[start:] + ports[:start]):
-        if _is_free(port):
-            yield port
-
-
-def _is_free(port: int) -> bool:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, suppress(OSError):
-        probe.bind((LOOPBACK, port))
-        return True
-    return False
-
-
-_ports = _free_ports()
-
-
-def free_port() -> int:
-    """A UDP port that no program has, and that no other test takes before it is opened."""
-    return next(_ports)
 
 
 class Udp:

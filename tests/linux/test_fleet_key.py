@@ -15,7 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.linux.process import LOOPBACK, RealSea, Serial, Udp, free_port
+from sil.live.free_port import free_port
+from tests.linux.process import LOOPBACK, RealSea, Serial, Udp
 from tests.target.stations import ARM, BOAT, command_long
 
 KEY = bytes(range(7, 39))

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.linux.process import LOOPBACK, PATIENT, RealSea, Udp, free_port, now_us
+from sil.live.free_port import free_port
+from tests.linux.process import LOOPBACK, PATIENT, RealSea, Udp, now_us
 from tests.target.bus import (
     ARMING_STATUS,
     GET_NODE_INFO,

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from sil.live.free_port import free_port
 from tests.linux.config.test_config import mistake
-from tests.linux.process import LOOPBACK, RealSea, Udp, free_port
+from tests.linux.process import LOOPBACK, RealSea, Udp
 from tests.target.stations import Station, command_long
 
 KEY = bytes(range(7, 39))

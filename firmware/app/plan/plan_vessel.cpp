@@ -83,7 +83,8 @@ template <class S>
 S pace(const BoatBehind<S>& boat, S speed, bool paused) {
   if (paused) return S(0);
   const S share = core::clamp((boat.far_m - boat.off_m) / (boat.far_m - S(kNear_m)), S(0), S(1));
-  return S(0) < boat.most && boat.most < speed ? core::min(share, boat.most / speed) : share;
+  return S(0) < boat.most_mps && boat.most_mps < speed ? core::min(share, boat.most_mps / speed)
+                                                       : share;
 }
 
 template <class S>

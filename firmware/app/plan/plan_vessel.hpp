@@ -28,7 +28,7 @@ template <class S>
 struct BoatBehind {
   S off_m{};
   S far_m{};
-  S most{};  ///< greatest speed now, m/s, 0: no limit; it may have been lowered under way
+  S most_mps{};  ///< LAW_U_MAX now, which may have been lowered under way; 0: no limit
 };
 
 /// Holds a few points of the plan at a time; the plan must not change between start() and the last

@@ -382,7 +382,7 @@ TEST_CASE("RADIO_STATUS is accepted without a signature, but not with a false on
   CHECK_FALSE(taken(true, Mark::kNone, 68, true));  // not on a serial line
 }
 
-TEST_CASE("a link signs its output, with its own id, if its policy says so and there is a key") {
+TEST_CASE("a link with a key signs its output under its own id if its policy asks for that") {
   for (const bool key : {false, true}) {
     std::array<MavlinkLinks::Link, 3> room;
     std::array<Datagram, 3> out;

@@ -14,16 +14,8 @@ import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.linux.process import (
-    LOOPBACK,
-    PATIENT,
-    RealSea,
-    Serial,
-    Udp,
-    broadcast_listener,
-    free_port,
-    now_us,
-)
+from sil.live.free_port import free_port
+from tests.linux.process import LOOPBACK, PATIENT, RealSea, Serial, Udp, broadcast_listener, now_us
 from tests.target.stations import BOAT, GCS, Station, command_long, decode
 from tests.turns import some
 

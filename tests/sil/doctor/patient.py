@@ -24,6 +24,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sil.doctor.checkup import examine
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Finding, Level
+from sil.live.free_port import free_port
 from sil.live.parameter_file import set_up
 from sil.wire.dronecan import (
     ESC_STATUS,
@@ -34,7 +35,7 @@ from sil.wire.dronecan import (
     RawCommand,
 )
 from sil.wire.dronecan_transfer import Publisher
-from tests.linux.process import Udp, free_port
+from tests.linux.process import Udp
 
 BUS = 8
 SYSTEM, LEADER = 2, 100

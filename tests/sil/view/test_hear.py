@@ -14,10 +14,10 @@ import psutil
 import pytest
 from pymavlink import mavutil
 
+from sil.live.free_port import free_port
 from sil.view.hear import Listener
 from sil.view.seen_fleet import Fleet
 from sil.wire.mavlink_mcast import LOOPBACK, Mouth
-from tests.linux.process import free_port
 from tests.sil.view.feed import BEAT, attitude, said
 from tests.turns import some
 

@@ -17,8 +17,8 @@ import pytest
 from tornado.websocket import websocket_connect
 
 from sil.cli.main import main
+from sil.live.free_port import free_port
 from sil.live.live_world import build
-from tests.linux.process import free_port
 from tests.live_buses import live_buses
 from tests.punctual import sail_punctually, world_late_s
 

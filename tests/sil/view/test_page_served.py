@@ -18,9 +18,9 @@ import pytest
 
 from sil.bench.page_cost import Said, said_by
 from sil.cli.main import main as sil
+from sil.live.free_port import free_port
 from sil.scenario import scenario
 from sil.wire.mavlink_mcast import LOOPBACK
-from tests.linux.process import free_port
 from tests.sil.campaign.short import short
 from tests.sil.view.browser import Browser
 from tests.sil.view.feed import BEAT, attitude, local, origin, said

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from sil.live.free_port import free_port
 from sil.live.live_world import LiveWorld, build
 from sil.scenario import scenario
 from sil.view import page
@@ -20,7 +21,6 @@ from sil.view.history import numbers
 from sil.view.tlog_history import history_of_tlog
 from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_mcast import group_of, listener
-from tests.linux.process import free_port
 from tests.live_buses import live_buses
 from tests.punctual import sail_punctually
 from tests.sil.view.browser import Browser

@@ -15,11 +15,11 @@ from pymavlink.dialects.v20 import common as mavlink
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError
 from tornado.websocket import websocket_connect
 
+from sil.live.free_port import free_port
 from sil.view.history import column, numbers
 from sil.view.live_source import Live
 from sil.view.serve import Server, _Frames
 from sil.wire.mavlink_mcast import LOOPBACK
-from tests.linux.process import free_port
 from tests.sil.view.feed import BEAT, attitude, local, origin, said
 from tests.turns import some
 

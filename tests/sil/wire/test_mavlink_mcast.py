@@ -6,8 +6,8 @@ import socket
 
 import pytest
 
+from sil.live.free_port import free_port
 from sil.wire.mavlink_mcast import LOOPBACK, Group, Mouth, group_of, host_and_port, listener
-from tests.linux.process import free_port
 
 PATIENCE_S = 20.0
 
