@@ -155,6 +155,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
     separation = separate(params.separation, state.separation,
                           separation_input(params, *traffic, slot, error, in.nu, dt), desired);
   }
+  if (!state.separation.yielding) limit_growth(params.outer, state.outer, dt, desired);
   const VirtualVelocity<S> desired_w = through_water(desired, c_b, in.nu.r);
   state.outer.u_star_held = desired_w.nu_star.u;  // v* is through the water too
   state.outer.r_star_held = desired_w.nu_star.r;

@@ -5,7 +5,8 @@
 //   r* = r_S − k_ψ tanh e_ψ          ṙ* = ṙ_S − k_ψ (1 − tanh² e_ψ) ė_ψ            (eq:49b)
 //   v̇* = −(m11/m22) u* r* − (d22/m22) v*,  v*(0) = v_L(0) (eq:mas-constraint)
 //
-// A line of sight replaces e_ψ by e_ψ − θ and adds θ̇, θ̈; then |u*| ≤ u_max, |r*| ≤ r_max.
+// A line of sight replaces e_ψ by e_ψ − θ and adds θ̇, θ̈; then |u*| ≤ u_max, |r*| ≤ 0.97 r_max.
+// Where |r*| is above r_max / 4, it grows by 3 r_max per second at most.
 // v* over a step h with constant u*, r*, exactly:
 //   v* ← e^{−bh} v* − (m11/d22)(1 − e^{−bh}) u* r*,   b = d22/m22
 //
@@ -15,9 +16,12 @@
 //  v_star        sway that follows from u*, r*   m/s         ±20
 //  h             control step                    s           0 … 0.2
 //
-// Not in paper: θ and the limits. Both limits apply over ground; through the water ν* differs by
-// the current. A slot with |w_S| > u_max or |r_S| > r_max is reported as too fast. At a limit the
-// derivative is 0, and v* follows from the limited u*, r*.
+// Not in paper: θ and the limits. A boat turns a little faster than r*, and much faster where r*
+// jumps from side to side, as it does behind a reference that many boats have relayed: its
+// propellers answer late. Hence 0.97 and the limited growth, which keep the boat itself within
+// r_max. Both limits apply over ground; through the water ν* differs by the current. A slot with
+// |w_S| > u_max or |r_S| > 0.97 r_max is reported as too fast. At a limit the derivative is 0, and
+// v* follows from the limited u*, r*.
 //
 // Q16.16: tested within ±500 (damping, kg/s)
 #pragma once
@@ -76,6 +80,12 @@ Vec2<S> shortened(const Vec2<S>& v, S most) {
   return {scaled(v.x, most, speed), scaled(v.y, most, speed)};
 }
 
+/// The limit of r*; 0: none.
+template <class S>
+S r_star_max(S r_max) {
+  return S(0.97) * r_max;
+}
+
 /// Speed and yaw rate that the slot needs beyond the boat's limits, m/s and rad/s; 0 where within.
 template <class S>
 struct TooFast {
@@ -86,7 +96,7 @@ struct TooFast {
 template <class S>
 TooFast<S> too_fast(const VirtualVelocityParams<S>& params, const Slot<S>& slot) {
   const bool u = S(0) < params.u_max && is_longer(Vec2<S>{slot.nu.u, slot.nu.v}, params.u_max);
-  const bool r = S(0) < params.r_max && params.r_max < abs(slot.nu.r);
+  const bool r = S(0) < params.r_max && r_star_max(params.r_max) < abs(slot.nu.r);
   return {u ? hypot(slot.nu.u, slot.nu.v) : S(0), r ? abs(slot.nu.r) : S(0)};
 }
 
@@ -111,8 +121,24 @@ VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
                    params.k_psi * (S(1) - t * t) * (error.e_dot.psi - sight.theta_dot) +
                    sight.theta_ddot;
   if (keep_within(params.u_max, out.nu_star.u, out.u_star_dot)) out.limits |= kSpeedLimit;
-  if (keep_within(params.r_max, out.nu_star.r, out.r_star_dot)) out.limits |= kYawRateLimit;
+  if (keep_within(r_star_max(params.r_max), out.nu_star.r, out.r_star_dot)) {
+    out.limits |= kYawRateLimit;
+  }
   return out;
+}
+
+/// Limits the growth of |r*| above r_max / 4; |r*| may fall at once. h: s since the previous step,
+/// 0 in the first, which may have any r*.
+template <class S>
+void limit_growth(const VirtualVelocityParams<S>& params, const VirtualVelocityState<S>& state, S h,
+                  VirtualVelocity<S>& desired) {
+  if (!(S(0) < params.r_max && S(0) < h)) return;
+  const S grown = S(3) * params.r_max * h, free = S(0.25) * params.r_max;
+  const S low = min(state.r_star_held - grown, -free);
+  const S high = max(state.r_star_held + grown, free);
+  S& r_star = desired.nu_star.r;
+  if (r_star < low || high < r_star) desired.r_star_dot = S(0);
+  r_star = clamp(r_star, low, high);
 }
 
 }  // namespace flotilla::core

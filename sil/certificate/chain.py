@@ -13,13 +13,15 @@ Where boats relay with losses, the figures of sailed boats are at least those of
 everything at once.
 
 P_n are the power spectra of the motion that noise and weather cause behind a leader on a straight
-course. A depth is certified if no boat up to it is expected to turn faster than LAW_R_MAX, to be
-faster than LAW_U_MAX, or to be more than 0.2 m RMS off its slot: beyond these limits a chain leaves
-the small motions for which gains are valid. If the law has no such limit, the firmware's default
-counts; a root that itself moves more in its manoeuvre raises the limits of yaw rate and speed. The
-hop is the one from boat 2 to boat 3, which both follow boats: G = T_3 / T_2, for the motion that a
-boat makes by its own thrust as it follows. With the reference, boat 2 is instead pushed off its way
-for the hop: boat 3 then follows it only by the slow shift of its slot (`core/reference.hpp`).
+course. A depth is certified if no boat up to it is expected to turn faster than 0.95 LAW_R_MAX, to
+be faster than LAW_U_MAX, or to be more than 0.2 m RMS off its slot: beyond these limits a chain
+leaves the small motions for which gains are valid. The law itself demands no more than 0.97
+LAW_R_MAX: a boat above 0.95 is held by that limit, it follows no longer. If the law has no such
+limit, the firmware's default counts; a root that itself moves more in its manoeuvre raises the
+limits of yaw rate and speed. The hop is the one from boat 2 to boat 3, which both follow boats: G =
+T_3 / T_2, for the motion that a boat makes by its own thrust as it follows. With the reference,
+boat 2 is instead pushed off its way for the hop: boat 3 then follows it only by the slow shift of
+its slot (`core/reference.hpp`).
 
 Every line of boats from the root is examined, except those that consist of the same kinds of boats
 as another, or as its beginning.
@@ -52,6 +54,7 @@ from sil.scenario.scenario import Scenario
 
 MOST_DEPTH = 20  # no deeper chain is examined, unless the scenario's is deeper
 OFF_SLOT_M = 0.2
+_HELD = 0.95  # ratio to LAW_R_MAX of the yaw rate from which its limit holds a boat
 _SAILED = 3  # boats sailed if each follows the one before
 _CREST = 3.5  # crest factor of noise: the peak of some hundred half waves
 _OF_PLACE = ("MAV_SYSID", "FORM_LEADER", "FORM_OFS_N", "FORM_OFS_E")
@@ -186,7 +189,8 @@ def limits_of(
         min(own[name] or defaults[name] for own in along) for name in ("LAW_R_MAX", "LAW_U_MAX")
     )
     root_yaw_rate, root_speed = root
-    return Limits(max(yaw_rate, 1.2 * root_yaw_rate), max(speed, 1.2 * root_speed), OFF_SLOT_M)
+    most = _HELD * yaw_rate
+    return Limits(max(most, 1.2 * root_yaw_rate), max(speed, 1.2 * root_speed), OFF_SLOT_M)
 
 
 def lines(scenario: Scenario, every: list[dict[str, float]]) -> list[list[int]]:

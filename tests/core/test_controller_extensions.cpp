@@ -47,6 +47,7 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
   }
   virtual_sway_forward(params.vessel, state.outer, dt);
   out.desired = virtual_velocity(limits.outer, state.outer, sailed, out.error, out.sight);
+  limit_growth(limits.outer, state.outer, dt, out.desired);
   VirtualVelocity<S> through_the_water = out.desired;
   Nu<S> nu = seen.nu;
   if (piece != Extension::kCurrent) {

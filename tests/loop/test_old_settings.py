@@ -38,7 +38,7 @@ EACH_PUSH = ("diamond", "noisy", "turning", "stop_and_go")
 OF_MANY_SEEDS = {"mismatch": {"rms_error_m": 0.0760041, "thrust_rms_N": 2.78305}}
 # Each boat closes up to its slot relative to the root; its distance from its leader, who closes
 # up too, may grow meanwhile: accept these values.
-WORSE = {("turning", "overshoot_m"): 0.665, ("stop_and_go", "overshoot_m"): 0.0706}
+WORSE = {("turning", "overshoot_m"): 0.665, ("stop_and_go", "overshoot_m"): 0.0715}
 
 
 @cache

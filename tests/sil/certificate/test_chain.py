@@ -70,7 +70,7 @@ def test_lines_of_equal_boats_are_examined_once_and_others_each() -> None:
 def test_limits_are_raised_by_the_motion_of_the_root_alone() -> None:
     own = {"LAW_R_MAX": 0.0, "LAW_U_MAX": 1.2}
     slow = chain.limits_of([own], flotilla.derived(), (0.1, 0.5))
-    assert (slow.yaw_rate, slow.speed) == pytest.approx((0.8, 1.2))
+    assert (slow.yaw_rate, slow.speed) == pytest.approx((0.76, 1.2))
     fast = chain.limits_of([own], flotilla.derived(), (1.0, 2.0))
     assert (fast.yaw_rate, fast.speed) == pytest.approx((1.2, 2.4))
     assert slow.off_slot_m == fast.off_slot_m == chain.OFF_SLOT_M
