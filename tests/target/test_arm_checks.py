@@ -80,7 +80,7 @@ def test_the_prearm_bit_of_sys_status_is_set_exactly_while_no_check_fails(check:
         assert healthy == (not checks)
 
 
-def test_refusals_are_told_at_most_twice_a_second(sea: Sea) -> None:
+def test_refusals_are_reported_at_most_twice_a_second(sea: Sea) -> None:
     sea.boat.on_host(bus_up=False)
     sea.settle()
     ticks = []

@@ -86,7 +86,7 @@ def progress(sea: Sea) -> tuple[int, int, int]:
     return told.seq, told.total, told.mission_state
 
 
-def test_a_boat_sails_its_plan_to_the_end_and_says_so() -> None:
+def test_a_boat_sails_its_plan_to_the_end_and_reports_it() -> None:
     sea = at_sea(CORNER)
     assert progress(sea) == (0, 2, NOT_STARTED)
     assert not [text for text in texts(sea.ticks) if "MANUAL only" in text]

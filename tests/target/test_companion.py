@@ -205,7 +205,7 @@ def test_a_companion_with_its_new_id_has_the_autopilots_state() -> None:
     assert sea.condition("own_fresh")
 
 
-def test_a_companion_says_nothing_that_its_autopilot_says() -> None:
+def test_a_companion_sends_none_of_its_autopilots_messages() -> None:
     sea = latched()
     sea.say(command_long(ARM, 1.0, target=ME))
     sea.step()
@@ -217,7 +217,7 @@ def test_a_companion_says_nothing_that_its_autopilot_says() -> None:
 
 
 @pytest.mark.parametrize("message", [1, 30, 32, 33, 144, 242, 331, 245])
-def test_a_companion_does_not_say_on_request_what_its_autopilot_says(message: int) -> None:
+def test_a_companion_does_not_send_its_autopilots_messages_on_request(message: int) -> None:
     sea = latched()
     for command in (
         command_long(REQUEST_MESSAGE, float(message), target=ME),
@@ -231,7 +231,7 @@ def test_a_companion_does_not_say_on_request_what_its_autopilot_says(message: in
 
 
 @pytest.mark.parametrize("message", [0, 148, 300, 291, 290, 436, 435, 397, 251])
-def test_a_companion_tells_on_request_what_is_its_own(message: int) -> None:
+def test_a_companion_sends_its_own_messages_on_request(message: int) -> None:
     sea = latched()
     sea.say(command_long(REQUEST_MESSAGE, float(message), target=ME))
     tick = sea.step()

@@ -35,7 +35,7 @@ def test_a_client_that_requests_the_mode_gets_it_at_each_change_and_every_two_se
     assert not named(sea.ticks, "CURRENT_MODE", 2)
 
 
-def test_the_mode_told_is_the_heartbeats(sea: Sea) -> None:
+def test_current_mode_and_heartbeat_agree(sea: Sea) -> None:
     sea.order(SET_INTERVAL, 436.0, 1e5)
     sea.settle()
     sea.arm()
@@ -55,7 +55,7 @@ def test_the_mode_told_is_the_heartbeats(sea: Sea) -> None:
     assert seen == {(HOLD, HOLD), (FORMATION, FORMATION), (HOLD, FORMATION)}
 
 
-def test_a_boat_that_fell_to_hold_says_what_it_was_meant_to_do(sea: Sea) -> None:
+def test_after_a_failsafe_the_intended_mode_is_still_formation(sea: Sea) -> None:
     sea.settle()
     assert current_mode(sea) == (HOLD, HOLD)
     sea.arm()
@@ -70,14 +70,14 @@ def test_a_boat_that_fell_to_hold_says_what_it_was_meant_to_do(sea: Sea) -> None
     assert current_mode(sea) == (HOLD, HOLD)
 
 
-def test_a_refused_mode_is_not_what_a_boat_intends(sea: Sea) -> None:
+def test_a_refused_mode_is_not_reported_as_intended(sea: Sea) -> None:
     sea.leader.on = False
     sea.enter_hold()
     assert acks(sea.mode(FORMATION)) == [(SET_MODE, 1)]
     assert current_mode(sea) == (HOLD, HOLD)
 
 
-def test_a_mode_asked_for_in_the_same_breath_is_the_new_one(sea: Sea) -> None:
+def test_a_mode_requested_in_the_tick_of_its_change_is_the_new_one(sea: Sea) -> None:
     sea.enter_hold()
     sea.say(command_long(SET_MODE, 1.0, 6.0), command_long(512, 436.0), command_long(512, 0.0))
     tick = sea.step()

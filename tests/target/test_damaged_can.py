@@ -65,9 +65,7 @@ def test_a_damaged_status_is_counted() -> None:
 
 
 @pytest.mark.parametrize("vector", reference("damaged"), ids=lambda v: v["name"])
-def test_damaged_sequences_of_the_reference_deliver_what_they_should(
-    sea: Sea, vector: dict[str, Any]
-) -> None:
+def test_damaged_reference_sequences_deliver_as_specified(sea: Sea, vector: dict[str, Any]) -> None:
     """Node 21 of the vectors reports index 0; it counts exactly if a transfer is delivered."""
     assert int(vector["can_id"], 16) >> 8 & 0xFFFF == ESC_STATUS
     sea.escs[0].on = False

@@ -59,7 +59,7 @@ def test_a_boat_whose_esc_drives_while_disarmed_is_not_armed() -> None:
     assert sea.state == "HOLD"
 
 
-def test_an_esc_that_drives_in_hold_is_a_fault_and_told_to_disarm() -> None:
+def test_an_esc_that_drives_in_hold_causes_a_fault_and_is_disarmed() -> None:
     sea, esc = bus()
     sea.arm()
     sea.run(1.0)
@@ -70,7 +70,7 @@ def test_an_esc_that_drives_in_hold_is_a_fault_and_told_to_disarm() -> None:
 
 
 @pytest.mark.parametrize("rpm", [2000, -2000])
-def test_a_shaft_that_turns_for_seconds_without_being_told_is_driven(rpm: int) -> None:
+def test_a_shaft_that_turns_for_5_s_without_a_command_counts_as_driven(rpm: int) -> None:
     sea, esc = bus()
     esc.rpm = rpm
     sea.run(4.9)
@@ -79,7 +79,7 @@ def test_a_shaft_that_turns_for_seconds_without_being_told_is_driven(rpm: int) -
     assert not sea.condition("escs_obey")
 
 
-def test_a_shaft_that_turns_slowly_is_turned_by_water() -> None:
+def test_a_slowly_turning_shaft_counts_as_turned_by_the_water() -> None:
     sea, esc = bus()
     esc.rpm = 250
     sea.run(60.0)

@@ -173,7 +173,7 @@ def test_manual_that_is_asked_for_with_sticks_off_neutral_waits_for_them(
     assert any(sea.commands)
 
 
-def test_sticks_at_neutral_drive_at_once_and_nothing_is_told(sea: Sea) -> None:
+def test_sticks_at_neutral_drive_at_once_without_a_message(sea: Sea) -> None:
     enter_manual(sea)
     drive(sea, 500, 0, 0.3)
     assert all(sea.commands) and CENTRE not in texts(sea.ticks)

@@ -141,7 +141,7 @@ def test_absurd_fixes_for_minutes_leave_both_estimates_bounded(steady: bool, qui
     assert steady or greatest_N > 0.95 * GREATEST_N
 
 
-def test_a_boat_that_was_told_nonsense_finds_its_slot_again() -> None:
+def test_a_boat_finds_its_slot_again_after_false_states() -> None:
     dice = random.Random(12)
     sea = Afloat({}, Hull([-2.0, 1.0, 0.3, 0.0, 0.0, 0.0]), s_curve)
     sea.enter_formation()

@@ -80,7 +80,7 @@ def test_a_units_clock_is_another_than_the_vessels(ahead_s: float) -> None:
     assert told.x == true.x
 
 
-def test_a_unit_with_a_poor_fix_says_so_and_says_when_it_is_good_again() -> None:
+def test_a_unit_reports_a_poor_fix_and_then_a_good_one() -> None:
     sea = Troubled()
     sea.fail(1, "own_poor_fix")
     told = messages(heard(sea.sail(100), 1, NAVIGATION), "GPS_RAW_INT")
@@ -133,7 +133,7 @@ def test_a_silent_esc_says_nothing_and_turns() -> None:
     assert sea.state(1) == "FAULT" and not sea.commands[0].any()
 
 
-def test_a_stuck_esc_turns_as_it_did_whatever_it_is_told() -> None:
+def test_a_stuck_esc_ignores_commands() -> None:
     sea = Troubled()
     port = sea.commands[0, 0]
     sea.fail(1, "esc_stuck", esc="port")
@@ -207,7 +207,7 @@ def test_a_bus_that_is_off_carries_nothing_and_the_host_knows() -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 1.0])
-def test_a_bus_loses_the_share_of_frames_that_it_is_told(share: float) -> None:
+def test_a_bus_loses_the_given_share_of_frames(share: float) -> None:
     well, ill = Troubled(), Troubled()
     ill.fail(1, "frame_loss", value=share, seed=6)
     sent, come = (len(frames(sea.sail(400), 1, to_boat=True)) for sea in (well, ill))
@@ -251,7 +251,7 @@ def test_a_silent_leader_is_silent_to_its_followers_only() -> None:
     assert {m.get_srcSystem() for m in messages(heard(records, 1, RADIO), "ATTITUDE")} == {2}
 
 
-def test_a_radio_loses_the_share_of_chunks_that_it_is_told() -> None:
+def test_a_radio_loses_the_given_share_of_chunks() -> None:
     sea = Troubled()
     sea.fail(1, "radio_loss", value=0.3, seed=9)
     records = sea.sail(500)
@@ -260,7 +260,7 @@ def test_a_radio_loses_the_share_of_chunks_that_it_is_told() -> None:
     assert len(come) / len(spoken) == pytest.approx(0.7, abs=0.08)
 
 
-def test_a_radio_damages_the_share_of_bytes_that_it_is_told() -> None:
+def test_a_radio_damages_the_given_share_of_bytes() -> None:
     sea = Troubled()
     sea.fail(1, "byte_errors", value=0.05, seed=9)
     records = sea.sail(400)
@@ -295,7 +295,7 @@ def test_an_impostor_says_another_place_under_the_same_id() -> None:
     assert {(m.get_srcSystem(), m.get_srcComponent()) for m in told} == {(100, 1)}
 
 
-def test_a_replay_says_byte_for_byte_what_was_said() -> None:
+def test_a_replay_repeats_earlier_messages_byte_for_byte() -> None:
     sea = Troubled()
     sea.fail(1, "replay", value=0.5)
     records = sea.sail(120)

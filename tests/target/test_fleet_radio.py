@@ -70,7 +70,7 @@ def test_a_links_losses_depend_only_on_its_seed() -> None:
     assert sail(3) == sail(3) != sail(2**64 - 1)
 
 
-def test_one_flipped_bit_costs_what_it_costs_one_boat() -> None:
+def test_a_flipped_bit_has_the_same_effect_in_a_fleet_as_on_one_boat() -> None:
     twins = Twins()
     links = twins.diamond()
     twins.tick(100)
@@ -88,7 +88,9 @@ def test_one_flipped_bit_costs_what_it_costs_one_boat() -> None:
 
 
 @pytest.mark.parametrize("radio", [{}, {"delay_s": 0.02}])
-def test_bits_flipped_anywhere_do_what_they_do_to_single_boats(radio: dict[str, Any]) -> None:
+def test_flipped_bits_have_the_same_effect_in_a_fleet_as_on_single_boats(
+    radio: dict[str, Any],
+) -> None:
     """Leaders too must find the requests among the damage."""
     twins = Twins()
     links = twins.diamond(**radio)
@@ -127,7 +129,7 @@ def answers(twins: Twins) -> int:
 
 
 @pytest.mark.parametrize("target", [b"\x64", b"\x64\x01", b"\x64\x02", b"\x65\x01"])
-def test_leaders_answer_what_is_meant_for_them(target: bytes) -> None:
+def test_leaders_answer_only_requests_addressed_to_them(target: bytes) -> None:
     twins, _, boat = behind_a_boat()
     twins.both("hear", boat, timesync(1, target) + timesync(2, target, tc1=5), twins.t_us, 0)
     assert answers(twins) == (target != b"\x64\x02")

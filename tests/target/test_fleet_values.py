@@ -124,7 +124,7 @@ def test_an_unknown_scalar_of_a_fleet_is_refused() -> None:
         flotilla.Fleet("half")
 
 
-def test_a_fleet_that_does_not_record_says_so() -> None:
+def test_taking_records_needs_record_true() -> None:
     with pytest.raises(ValueError, match="record=True"):
         fleet().take_records(0)
 

@@ -136,7 +136,7 @@ def test_a_disarmed_boat_stays_disarmed_and_as_it_was_set(garbage: bool) -> None
 
 
 @pytest.mark.parametrize("garbage", [False, True], ids=["spoilt", "spoilt and garbage"])
-def test_a_boat_in_formation_changes_its_mode_only_as_it_was_told(garbage: bool) -> None:
+def test_a_boat_in_formation_changes_its_mode_only_on_request(garbage: bool) -> None:
     sea = at_its_mooring()
     sea.enter_formation()
     gcs = GroundStation(random.Random(41 + garbage), modes=(HOLD, FORMATION))
@@ -155,7 +155,7 @@ def test_a_boat_in_formation_changes_its_mode_only_as_it_was_told(garbage: bool)
     assert_noise_was_noise_and_words_came_through(sea, gcs)
 
 
-def test_a_boat_in_formation_that_is_told_nothing_stays_there() -> None:
+def test_a_boat_in_formation_without_other_requests_stays_there() -> None:
     """The ground station only requests what is already so."""
     sea = at_its_mooring()
     sea.enter_formation()

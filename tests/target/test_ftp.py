@@ -177,7 +177,7 @@ def test_a_client_takes_as_much_at_once_as_it_likes(client: Client, size: int, h
     assert getattr(client, f"download_by_{how}")(path, size) == FILES["general.json"]
 
 
-def test_the_boat_says_where_its_files_are_and_what_their_sum_is(sea: Sea) -> None:
+def test_the_boat_reports_where_its_files_are_and_their_checksums(sea: Sea) -> None:
     sea.settle()
     (told,) = sea.order(512, 397.0).named("COMPONENT_METADATA")
     assert told.uri == "mftp:///general.json"

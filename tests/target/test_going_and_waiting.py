@@ -70,7 +70,7 @@ def guided(north_m: float = 10.0, east_m: float = 0.0, speed_mps: float = math.n
     return sea
 
 
-def test_a_boat_goes_where_it_is_told_and_waits_there() -> None:
+def test_a_boat_sails_to_its_target_and_waits_there() -> None:
     sea = guided(10.0, 5.0)
     sea.run(60.0)
     assert place(sea) == pytest.approx((10, 5), abs=0.05) and sea.state == "GUIDED"

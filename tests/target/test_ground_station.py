@@ -40,7 +40,7 @@ def sailing(parameters: dict[str, float] | None = None) -> Watched:
 @pytest.mark.parametrize(
     ("action", "state"), [(0.0, "HOLD"), (1.0, "COAST"), (2.0, "HOLD")], ids=["0", "1", "2"]
 )
-def test_a_boat_that_hears_no_ground_station_does_what_was_chosen(
+def test_a_boat_that_hears_no_ground_station_takes_the_chosen_action(
     action: float, state: str
 ) -> None:
     sea = sailing({"FS_GCS_ACT": action})

@@ -73,7 +73,7 @@ def test_overruns_and_ages_are_slow_telemetry(sea: Sea) -> None:
         assert [m.name for m in sent].count(name) == pytest.approx(5, abs=1)
 
 
-def test_a_slow_radio_keeps_to_its_rate_and_still_carries_what_matters() -> None:
+def test_a_slow_radio_keeps_its_rate_and_carries_heartbeats_states_and_acks() -> None:
     sea = Sea({"SR_STATE": 50}, links=2)
     sea.boat.limit_link(1, 400)
     sea.enter_formation()
@@ -88,7 +88,7 @@ def test_a_slow_radio_keeps_to_its_rate_and_still_carries_what_matters() -> None
     assert acks(sea.order(400, 0.0, link=1), link=1) == [(400, 0)]
 
 
-def test_a_disk_that_takes_no_parameters_is_told_to_the_operator_once(sea: Sea) -> None:
+def test_a_failing_disk_is_reported_to_the_operator_once(sea: Sea) -> None:
     sea.settle()
     sea.ticks.clear()
     for failed in (False, True, True, True, False, True):

@@ -206,7 +206,7 @@ def test_slot_inside_a_turn_that_would_go_astern_ends_in_hold(side_m: float) -> 
 @pytest.mark.parametrize(
     ("most", "path", "says"), [(3, [9, 8, 7], True), (4, [9, 8, 7], False), (0, [9] * 9, False)]
 )
-def test_boat_deeper_than_certified_says_so_once_it_is_armed(
+def test_boat_deeper_than_form_depth_reports_it_when_armed(
     most: int, path: list[int], says: bool
 ) -> None:
     sea = Sea({"FORM_OFS_N": -4.0, "FORM_DEPTH": most})

@@ -108,7 +108,7 @@ def test_of_two_leaders_with_one_id_the_first_is_followed(clock_us: int, kind: s
 
 
 @pytest.mark.parametrize("clock_us", [-6_000_000, 45_000_000, -7_200_000_000])
-def test_two_vessels_under_the_leaders_id_are_told_apart_by_their_clocks_alone(
+def test_two_vessels_with_the_leaders_id_are_distinguished_by_their_clocks_alone(
     clock_us: int,
 ) -> None:
     """The second one lies alongside, at a position that is possible for the leader."""

@@ -30,7 +30,7 @@ def following(period_us: int = 100_000, answered_us: int | None = None) -> Sea:
     return sea
 
 
-def test_nothing_is_told_of_a_leader_that_was_never_heard(sea: Sea) -> None:
+def test_no_uncertainty_is_reported_before_the_leader_is_heard(sea: Sea) -> None:
     sea.leader.on = False
     sea.run(2.0)
     assert sea.snapshot()["leader_uncertainty_m"] is None
@@ -84,7 +84,7 @@ def test_the_less_certain_the_leaders_clock_the_less_certain_its_place() -> None
         assert uncertainty_m(sea) == pytest.approx(0.6 * way_us * 1e-6, abs=3e-3)
 
 
-def test_the_uncertainty_that_is_told_is_the_snapshots() -> None:
+def test_the_uncertainty_sent_equals_the_snapshots() -> None:
     sea = following(answered_us=50_000)
     told = 0
     for k in range(600):

@@ -36,7 +36,7 @@ def test_bytes_of_one_link_do_not_disturb_a_frame_half_received_on_another() -> 
     assert sea.counter("mavlink_received") == 2 and sea.refused("mavlink") == 0
 
 
-def test_every_change_of_state_is_said_on_every_link() -> None:
+def test_every_change_of_state_is_reported_on_every_link() -> None:
     sea = Sea(links=2)
     sea.enter_formation()
     sea.mode(HOLD)

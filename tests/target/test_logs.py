@@ -121,7 +121,7 @@ def test_without_logs_the_list_is_empty(open_: bool) -> None:
     assert any(text.startswith("Refused: no ") for text in texts(ticks))
 
 
-def test_the_end_of_a_log_is_told_and_nothing_beyond_it() -> None:
+def test_a_read_beyond_the_end_of_a_log_returns_the_end() -> None:
     sea = sea_with([log(180)])
     reader = Reader(sea)
     reader.listed()

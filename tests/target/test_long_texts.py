@@ -131,7 +131,9 @@ def test_every_length_is_cut_well() -> None:
 @pytest.mark.parametrize(
     ("name", "value"), [("MAV_IDENTITY", 1.0), ("THR_DEAD", 20.0), ("ESC_PORT", 1.0)]
 )
-def test_a_contradiction_is_told_to_its_end(sea: Sea, name: str, value: float) -> None:
+def test_a_refusal_of_contradictory_parameters_is_sent_to_its_end(
+    sea: Sea, name: str, value: float
+) -> None:
     sea.settle()
     sea.say(param_set(name, value))
     (said,) = sentences(sea.run(0.5))

@@ -141,7 +141,7 @@ def test_an_interval_of_no_message_is_denied(settled: Sea, message_id: float) ->
 
 
 @pytest.mark.parametrize("message_id", [4, 25, 22, 73, 148, 244, 253, 331, 397, 435, 9999])
-def test_an_interval_of_what_never_comes_by_itself_is_unsupported(
+def test_an_interval_of_a_message_sent_only_on_request_is_unsupported(
     settled: Sea, message_id: int
 ) -> None:
     assert ask(settled, message_id, 1e5) == UNSUPPORTED
@@ -315,7 +315,7 @@ def test_telemetry_comes_back_as_the_buffer_empties(settled: Sea) -> None:
     assert count(complaining(settled, 10.0), FOLLOW_TARGET) == 100
 
 
-def test_a_radio_slows_what_a_client_asked_for_too(settled: Sea) -> None:
+def test_a_radio_slows_requested_streams_too(settled: Sea) -> None:
     ask(settled, ATTITUDE, 20_000.0)
     radio_says(settled, 10, times=5)
     complaining(settled, 1.0)
@@ -349,7 +349,7 @@ def test_a_radio_that_does_not_know_its_buffer_changes_nothing(settled: Sea, txb
     assert said(settled, POSITION, 4.5) == pytest.approx(45 * 0.8**3, abs=1)
 
 
-def test_a_change_of_state_is_told_at_once_however_slow_a_radio_is(settled: Sea) -> None:
+def test_a_change_of_state_is_reported_at_once_on_any_radio(settled: Sea) -> None:
     radio_says(settled, 0, times=50)
     settled.arm()
     tick = settled.mode(6)

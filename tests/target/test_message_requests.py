@@ -92,7 +92,7 @@ def test_an_impossible_message_id_is_denied(quiet: Sea, message_id: float) -> No
 
 
 @pytest.mark.parametrize("message_id", NEEDS_OWN_STATE)
-def test_a_boat_that_does_not_know_where_it_is_says_so_at_once(message_id: int) -> None:
+def test_a_state_requested_before_a_position_is_known_is_rejected_at_once(message_id: int) -> None:
     sea = Sea(QUIET)
     sea.own.on = False
     sea.run(1.15)
@@ -219,7 +219,7 @@ DEFAULTS_US = {
 
 
 @pytest.mark.parametrize(("message_id", "interval_us"), list(DEFAULTS_US.items()))
-def test_a_boat_knows_how_often_it_says_what(sea: Sea, message_id: int, interval_us: int) -> None:
+def test_a_boat_reports_each_messages_interval(sea: Sea, message_id: int, interval_us: int) -> None:
     sea.run(1.15)
     for order in ((GET_INTERVAL, message_id), (REQUEST, INTERVAL, message_id)):
         (told,) = answered(sea.order(*order), order[0], ACCEPTED)
@@ -258,7 +258,7 @@ def test_odometry_tells_the_velocity_along_the_boats_own_axes() -> None:
     assert 2 * math.atan2(told.q[3], told.q[0]) == pytest.approx(truth.psi, abs=0.01)
 
 
-def test_the_version_tells_what_the_boat_can_do_and_no_more(quiet: Sea) -> None:
+def test_autopilot_version_lists_exactly_the_boats_capabilities(quiet: Sea) -> None:
     (told,) = answered(quiet.order(REQUEST, 148.0), REQUEST, ACCEPTED)
     assert (
         told.capabilities

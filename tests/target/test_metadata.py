@@ -64,7 +64,9 @@ def test_the_general_file_leads_to_the_parameters_with_the_checksum_of_the_bytes
 
 
 @EACH
-def test_an_entry_says_what_the_parameter_is(entry: dict[str, Any], p: dict[str, Any]) -> None:
+def test_an_entry_has_the_parameters_name_sentence_unit_and_range(
+    entry: dict[str, Any], p: dict[str, Any]
+) -> None:
     assert entry["name"] == p["name"]
     assert entry["type"] == "Float"
     assert entry["shortDesc"] == p["sentence"]
@@ -76,7 +78,7 @@ def test_an_entry_says_what_the_parameter_is(entry: dict[str, Any], p: dict[str,
 
 
 @pytest.mark.parametrize("entry", DESCRIBED)
-def test_an_entry_has_only_what_the_schema_knows(entry: dict[str, Any]) -> None:
+def test_an_entry_has_only_keys_and_types_of_the_schema(entry: dict[str, Any]) -> None:
     for key, value in some(entry.items()):
         assert isinstance(value, TYPES[key]), key
     for choice in entry.get("values", []):
@@ -141,7 +143,7 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
     }
 
 
-def test_what_takes_effect_at_the_next_start_says_so() -> None:
+def test_parameters_in_force_at_the_next_start_are_marked_reboot_required() -> None:
     restart = {entry["name"] for entry in DESCRIBED if entry["rebootRequired"]}
     identity = {"MAV_SYSID", "MAV_COMPID", "MAV_IDENTITY", "MAV_AUTOPILOT"}
     assert {*identity, "CAN_NODE", "CTL_RATE"} == restart

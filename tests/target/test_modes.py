@@ -51,7 +51,7 @@ def test_a_mode_that_does_not_exist_is_denied(sea: Sea, params: tuple[float, ...
     assert sea.state == "HOLD"
 
 
-def test_manual_is_refused_without_sticks_and_says_so(sea: Sea) -> None:
+def test_manual_is_refused_without_sticks_with_a_reason(sea: Sea) -> None:
     sea.settle()
     sea.arm()
     sea.run(1.0)
@@ -141,7 +141,7 @@ def test_formation_is_refused_to_a_disarmed_boat(sea: Sea) -> None:
     assert sea.state == "HOLD"
 
 
-def test_formation_is_refused_without_a_leader_and_says_so(sea: Sea) -> None:
+def test_formation_is_refused_without_a_leader_with_a_reason(sea: Sea) -> None:
     sea.leader.on = False
     sea.settle()
     sea.arm()

@@ -95,7 +95,7 @@ def test_a_motor_test_lasts_as_long_as_was_asked(
     assert sea.state == "HOLD"
 
 
-def test_the_end_of_a_motor_test_is_said(sea: Sea) -> None:
+def test_the_end_of_a_motor_test_is_reported(sea: Sea) -> None:
     enter_test(sea, PORT, PERCENT, 10.0, 1.0)
     (beat,) = sea.ticks[-1].named("HEARTBEAT")
     assert (beat.custom_mode, beat.base_mode, beat.system_status) == (4, 1 | 2 | 128, 4)

@@ -20,7 +20,7 @@ def doubles(ticks: list[Tick], link: int = 0) -> list[Any]:
     return [m for m in named(ticks, "STATUSTEXT", link) if DOUBLE in m.text]
 
 
-def test_another_sender_under_our_name_is_told_at_most_every_ten_seconds() -> None:
+def test_another_sender_with_our_id_is_reported_at_most_every_ten_seconds() -> None:
     sea = Sea(links=2)
     double = Station(BOAT, 1)
     double.encoder.seq = 100
@@ -142,7 +142,7 @@ def test_a_boat_under_the_law_holds_as_another_uses_its_name_and_may_be_driven_h
     assert sea.state == "MANUAL" and all(sea.commands)
 
 
-def test_own_states_on_a_second_link_are_ignored_and_told() -> None:
+def test_own_states_on_a_second_link_are_ignored_and_reported() -> None:
     """The first link with states may be a radio, and the states those of another boat."""
     sea = Sea(links=2)
     sea.run(1.0)

@@ -94,7 +94,7 @@ def test_the_yaw_rate_of_odometry_is_kept(child: int) -> None:
 
 
 @pytest.mark.parametrize("frame", [20, 21], ids=["LOCAL_FRD", "LOCAL_FLU"])
-def test_a_frame_that_is_not_north_aligned_is_refused_and_said(sea: Sea, frame: int) -> None:
+def test_a_frame_that_is_not_north_aligned_is_refused_and_reported(sea: Sea, frame: int) -> None:
     sea.own.on = False
     sea.say(origin(sea.now_us), sender=sea.own.station)
     for _ in range(20):

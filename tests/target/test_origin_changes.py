@@ -35,7 +35,7 @@ def two_links(bytes_per_s: int, **how: Any) -> Sea:
 
 @LINKS
 @pytest.mark.parametrize("silent_s", [0.0, 1.5])
-def test_after_its_unit_restarted_a_boat_tells_no_position_until_the_origin_is_known(
+def test_after_a_restart_of_its_unit_no_position_is_sent_before_the_origin(
     bytes_per_s: int, silent_s: float
 ) -> None:
     sea = two_links(bytes_per_s, own=Course(1.0, 2.0, 0.3))
@@ -84,7 +84,9 @@ def told_in_order(ticks: list[Tick], where: Course, place: tuple[int, int, int])
 @pytest.mark.parametrize(
     ("bytes_per_s", "busy"), few(product((0, 400, 1200), (False, True)), [(0, False), (1200, True)])
 )
-def test_a_new_origin_is_told_before_any_position_from_it(bytes_per_s: int, busy: bool) -> None:
+def test_a_new_origin_is_sent_before_any_position_relative_to_it(
+    bytes_per_s: int, busy: bool
+) -> None:
     """At any phase of the link's schedule."""
     old, new = Course(1.0, 2.0, 0.3), Course(-400.0, 300.0, 0.3)
     for delay in range(0, 30, 3):

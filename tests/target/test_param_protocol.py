@@ -83,7 +83,7 @@ def test_the_list_is_whole_and_in_order(sea: Sea, target: tuple[int, int]) -> No
 
 
 @pytest.mark.parametrize("target", [(3, 1), (BOAT, 2), (BOAT, 191)])
-def test_the_list_of_another_is_not_told(sea: Sea, target: tuple[int, int]) -> None:
+def test_a_list_requested_of_another_vehicle_is_not_sent(sea: Sea, target: tuple[int, int]) -> None:
     sea.settle()
     sea.say(param_list(target))
     assert not values(sea.run(1.0))
@@ -219,7 +219,7 @@ CHANGEABLE = [p for p in LIST if p["kind"] != "mode" and p["name"] != "MAV_IDENT
 
 
 @pytest.mark.parametrize("p", CHANGEABLE, ids=[p["name"] for p in CHANGEABLE])
-def test_a_set_is_told_on_every_link_with_its_own_index(p: dict[str, Any]) -> None:
+def test_a_set_is_reported_on_every_link_with_its_index(p: dict[str, Any]) -> None:
     sea = Sea(links=3)
     sea.settle()
     wanted = another_value(p)
@@ -280,7 +280,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize("r", REFUSALS, ids=str)
-def test_a_refused_set_is_told_in_every_way(r: Refusal) -> None:
+def test_a_refused_set_is_reported_as_error_value_and_text(r: Refusal) -> None:
     """MAVSDK needs an error first, QGroundControl the value in force, a human a sentence."""
     sea = Sea(links=2)
     ENTER[r.state](sea)
@@ -312,7 +312,7 @@ def test_the_sentence_of_a_refused_set_names_parameter_and_range(sea: Sea) -> No
     assert all(word in said for word in ("LAW_KX", "7", "0", "2"))
 
 
-def test_setting_what_does_not_exist_is_an_error_and_nothing_else(sea: Sea) -> None:
+def test_setting_an_unknown_parameter_gives_an_error_and_no_value(sea: Sea) -> None:
     sea.settle()
     ticks = set_it(sea, "NO_SUCH", 1.0)
     (error,) = named(ticks, "PARAM_ERROR")
@@ -335,20 +335,20 @@ def test_a_strangers_set_is_denied_to_him_with_the_value_in_force() -> None:
     assert sea.boat.parameters()["FORM_OFS_N"] == 5.0
 
 
-def test_a_strangers_set_is_told_to_humans_too() -> None:
+def test_a_strangers_set_is_also_reported_as_text() -> None:
     sea = Sea({"MAV_GCS_SYSID": 250})
     sea.settle()
     assert any("FORM_OFS_N" in t for t in texts(set_it(sea, "FORM_OFS_N", 5.0)))
 
 
-def test_a_stranger_too_is_told_that_a_parameter_does_not_exist() -> None:
+def test_a_stranger_too_gets_an_error_for_an_unknown_parameter() -> None:
     """Without an answer it would wait and ask again."""
     sea = Sea({"MAV_GCS_SYSID": 250})
     sea.settle()
     assert len(named(set_it(sea, "NO_SUCH", 5.0), "PARAM_ERROR")) == 1
 
 
-def test_a_stranger_reads_what_he_may_not_set() -> None:
+def test_a_stranger_may_read_parameters() -> None:
     sea = Sea({"MAV_GCS_SYSID": 250})
     sea.settle()
     sea.say(param_list())
@@ -364,7 +364,7 @@ def test_a_set_for_somebody_else_sets_nothing(sea: Sea, target: tuple[int, int])
     assert not values(sea.run(0.2)) and sea.boat.parameters()["LAW_KX"] == float32(0.2)
 
 
-def test_many_sets_at_once_are_all_told(sea: Sea) -> None:
+def test_many_sets_at_once_are_all_reported(sea: Sea) -> None:
     """As a ground station loads a parameter file: a few at a time, with repetitions."""
     sea.settle()
     wanted = {p["name"]: another_value(p) for p in CHANGEABLE if p["change"] == "anytime"}
@@ -383,7 +383,9 @@ def test_many_sets_at_once_are_all_told(sea: Sea) -> None:
 
 @pytest.mark.parametrize("state", ["HOLD", "FORMATION"])
 @pytest.mark.parametrize("p", CHANGEABLE, ids=[p["name"] for p in CHANGEABLE])
-def test_under_way_only_what_is_harmless_changes(p: dict[str, Any], state: str) -> None:
+def test_while_armed_only_parameters_that_may_change_at_any_time_change(
+    p: dict[str, Any], state: str
+) -> None:
     sea = Sea()
     ENTER[state](sea)
     before = sea.boat.parameters()[p["name"]]

@@ -118,7 +118,7 @@ def test_names_are_unique_and_fit_into_mavlink() -> None:
 
 
 @EACH
-def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any]) -> None:
+def test_every_parameter_has_a_unit_a_range_and_one_sentence(p: dict[str, Any]) -> None:
     numbers = {"default", "least", "greatest"}
     assert set(p) == {"name", "unit", "group", "kind", "integer", "change", "sentence"} | numbers
     assert isinstance(p["unit"], str)
@@ -128,7 +128,7 @@ def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any])
 
 
 @EACH
-def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
+def test_every_parameter_has_a_kind_and_a_time_of_change(p: dict[str, Any]) -> None:
     choices = ("identity", "autopilot", "frame", "switch", "action", "stop")
     assert p["kind"] in ("real", "whole", "sign", *choices)
     assert (p["kind"] == "autopilot") == (p["name"] == "MAV_AUTOPILOT")
@@ -252,7 +252,7 @@ def test_a_refused_type_names_its_parameter(value: object) -> None:
 @pytest.mark.parametrize(
     "name", ["", "MAV_SYSI", "MAV_SYSID ", "mav_sysid", "MAV_SYSIDX", "X" * 200, "ÄÖ", "LAW_KX\0"]
 )
-def test_an_unknown_name_is_refused_and_said(name: str) -> None:
+def test_an_unknown_name_is_refused_by_name(name: str) -> None:
     assert name.rstrip("\0") in refusal({name: 1.0})
 
 

@@ -57,7 +57,7 @@ NO_ONE = {
     [(words, message) for words, them in NO_ONE.items() for message in them],
     ids=lambda value: value.get_type() if hasattr(value, "get_type") else "",
 )
-def test_what_a_boat_does_not_do_is_told_in_one_sentence_and_not_again_for_ten_seconds(
+def test_an_unsupported_request_is_reported_once_every_ten_seconds(
     sea: Sea, words: str, message: Any
 ) -> None:
     sea.enter_formation()

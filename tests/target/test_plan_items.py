@@ -88,7 +88,7 @@ def test_a_boat_sails_whole_turns_round_a_place() -> None:
         assert np.hypot(*off.T).min() > 5.0
 
 
-def test_a_plan_ends_at_home_where_it_says_so() -> None:
+def test_a_plan_that_ends_with_return_ends_at_home() -> None:
     sea = sailing([at(8, 0), bare(RETURN)])
     ticks = sea.run(60.0)
     assert reached(ticks) == [0, 1] and progress(sea)[2] == COMPLETE
@@ -171,7 +171,7 @@ def test_the_leg_back_of_a_jump_and_a_whole_circle_keep_the_fence() -> None:
 
 
 @pytest.mark.parametrize(("current_mps", "beaten"), [(1.5, True), (1.0, True), (0.4, False)])
-def test_a_leg_against_a_current_that_the_propellers_cannot_beat_is_told_within_30_s(
+def test_a_current_too_strong_for_the_propellers_is_reported_within_30_s(
     current_mps: float, beaten: bool
 ) -> None:
     """1.16 m/s through the water at full thrust, 0.5 over ground in the plan."""

@@ -218,9 +218,7 @@ def test_a_second_station_is_refused_while_the_first_sends(planner: Planner, sea
     assert other.send(SQUARE) == ITEM_ACCEPTED and plan_of(sea) == as_sent(SQUARE)
 
 
-def test_a_station_that_is_refused_again_and_again_is_told_why_twice_a_second(
-    planner: Planner, sea: Sea
-) -> None:
+def test_repeated_refusals_are_explained_twice_a_second(planner: Planner, sea: Sea) -> None:
     told = []
     for _ in range(100):
         sea.say(mavlink.MAVLink_mission_count_message(BOAT, 1, 2000, 0))
@@ -259,7 +257,7 @@ DURING_AN_UPLOAD: dict[str, Callable[[Sea], object]] = {
 
 
 @pytest.mark.parametrize("trouble", DURING_AN_UPLOAD)
-def test_what_does_not_belong_to_an_upload_changes_nothing_in_it(
+def test_messages_outside_an_upload_change_nothing_in_it(
     planner: Planner, sea: Sea, trouble: str
 ) -> None:
     plan = [*OTHER, at(7, 7)]

@@ -61,7 +61,7 @@ NAN = math.nan
         ((65504.0, -65504.0), (65504.0, -65504.0), UNKNOWN_VOLTAGE, UNKNOWN_CURRENT),
     ],
 )
-def test_the_battery_is_what_the_escs_measure(
+def test_the_battery_has_the_voltage_and_current_that_the_escs_report(
     volts: tuple[float, float], amperes: tuple[float, float], voltage_mV: int, current_cA: int
 ) -> None:
     port, stbd = ({"voltage": v, "current": a} for v, a in zip(volts, amperes, strict=True))
@@ -94,7 +94,7 @@ STBD = {"rpm": -800, "voltage": 23.75, "current": 2.5, "temperature": 310.0, "er
 
 
 @pytest.mark.parametrize("indices", [(0, 1), (1, 0), (2, 5), (7, 4), (19, 0)], ids=str)
-def test_the_propellers_are_told_in_groups_of_four(indices: tuple[int, int]) -> None:
+def test_esc_messages_describe_groups_of_four_propellers(indices: tuple[int, int]) -> None:
     sea = bench(PORT, STBD, indices).sea
     groups = list(dict.fromkeys(k // 4 * 4 for k in indices))
     for message_id in (290, 291):

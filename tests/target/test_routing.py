@@ -80,7 +80,7 @@ def test_a_message_for_another_is_handed_on_byte_for_byte_with_the_next_tick(wha
 
 
 @pytest.mark.parametrize("beyond", ["off", "accept", "required"])
-def test_what_was_signed_stays_signed_where_links_ask_for_signatures(beyond: str) -> None:
+def test_forwarded_messages_keep_their_signatures(beyond: str) -> None:
     """Signed by its original sender, not by the boat that forwards it."""
     key, unix_s, other = bytes(range(32)), 1_800_000_000, Station(7, 1)
     sea = Sea(links=2)
@@ -209,7 +209,7 @@ def test_messages_for_this_boat_are_not_forwarded() -> None:
     assert acks(tick) == [(ARM, ACCEPTED)] and frame not in sent(tick, 1)
 
 
-def test_another_component_of_this_boat_gets_what_is_for_it() -> None:
+def test_another_component_of_this_boat_gets_its_messages() -> None:
     """Its navigation unit on link 1: messages for it are forwarded, broadcasts reach both."""
     unit = Station(BOAT, NAVIGATION)
     sea = Sea(links=2)
@@ -306,7 +306,7 @@ def test_a_flood_for_another_does_not_silence_the_boat() -> None:
 
 
 @pytest.mark.parametrize("silent_s", [8.0, 10.5, 30.0])
-def test_who_moved_to_another_link_gets_what_is_for_him_there(silent_s: float) -> None:
+def test_messages_follow_a_system_to_another_link(silent_s: float) -> None:
     """A ground station connects first by radio, then by cable."""
     gcs = Station(GCS, GCS_COMPONENT)
     sea = known(3, {0: [gcs], 2: [OTHER]})

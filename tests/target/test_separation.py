@@ -61,7 +61,7 @@ def told(sea: Sea, name: str, link: int = 0) -> list[float]:
     return [m.value for m in found if m.name == name]
 
 
-def test_how_deep_it_is_in_the_tree_is_told_once_a_second_on_every_link() -> None:
+def test_the_depth_in_the_tree_is_sent_once_a_second_on_every_link() -> None:
     sea = boat(links=2)
     sea.run(3.0)
     # The leader's own depth is not known: it is a virtual one.
@@ -78,7 +78,7 @@ def test_how_deep_it_is_in_the_tree_is_told_once_a_second_on_every_link() -> Non
     assert told(sea, "DEPTH")[-1] == 5.0
 
 
-def test_a_boat_that_keeps_clear_of_nobody_tells_no_depth_and_looks_for_nobody() -> None:
+def test_without_fs_sep_m_no_depth_is_sent_and_no_vessel_is_watched() -> None:
     sea = boat(least_m=0.0)
     sea.enter_formation()
     meet(sea, 3.0, 1.0)
@@ -87,7 +87,7 @@ def test_a_boat_that_keeps_clear_of_nobody_tells_no_depth_and_looks_for_nobody()
     assert sea.condition("clear") and not sea.snapshot()["limited"]["yielding"]
 
 
-def test_formation_is_refused_while_a_vessel_is_nearer_and_says_so() -> None:
+def test_formation_is_refused_while_a_vessel_is_nearer_than_fs_sep_m() -> None:
     sea = boat()
     sea.enter_hold()
     meet(sea, 1.9)

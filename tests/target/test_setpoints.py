@@ -158,7 +158,7 @@ def test_a_script_drives_the_boat_on_a_course_until_it_is_silent() -> None:
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_a_setpoint_that_a_boat_cannot_follow_is_told_and_changes_nothing(
+def test_an_impossible_setpoint_is_refused_with_a_reason(
     message: mavlink.MAVLink_message, why: str
 ) -> None:
     sea = waiting()

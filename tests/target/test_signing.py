@@ -196,7 +196,7 @@ def test_timestamps_rise_over_all_links_together() -> None:
     assert all(stamp > NOW for stamp in stamps)
 
 
-def test_a_required_link_refuses_what_is_unsigned_and_still_obeys_the_right_key() -> None:
+def test_a_required_link_refuses_unsigned_messages_and_still_obeys_the_right_key() -> None:
     sea = SecureSea("required")
     for version1 in (False, True):
         unsigned = Station(255, 190).pack(order(), version1=version1)
@@ -210,7 +210,7 @@ def test_a_link_that_requires_signatures_accepts_a_radios_unsigned_status() -> N
     assert sea.moved(Station(51, 68).pack(status)) == (False, {})
 
 
-def test_an_accepting_link_obeys_what_is_unsigned() -> None:
+def test_an_accepting_link_obeys_unsigned_messages() -> None:
     sea = SecureSea("accept")
     for version1 in (False, True):
         assert sea.moved(Station(255, 190).pack(order(), version1=version1)) == (True, {})
@@ -407,7 +407,7 @@ def test_the_clock_of_a_host_that_has_one_is_not_the_navigation_units() -> None:
     assert sea.obeys_the_operator()
 
 
-def test_who_arms_is_told_where_the_key_protects_nothing() -> None:
+def test_arming_reports_links_and_clocks_that_weaken_signing() -> None:
     for policies, clock_is_set, told in (
         (("required", "required"), True, []),
         (("off", "required"), True, ["unsigned messages accepted on link 0"]),

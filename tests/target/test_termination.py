@@ -67,7 +67,7 @@ def test_a_termination_is_a_fault_in_the_same_tick_from_every_state(
 
 
 @pytest.mark.parametrize("state", [s for s in ENTER if s != "FAULT"])
-def test_a_termination_is_said_critically_and_with_a_heartbeat_at_once(state: str) -> None:
+def test_a_termination_is_reported_at_once_by_a_critical_text_and_a_heartbeat(state: str) -> None:
     tick = enter(state).order(TERMINATE, 1.0)
     (text,) = tick.named("STATUSTEXT")
     assert text.severity <= 2 and text.text.startswith("FAULT: terminated")

@@ -56,7 +56,7 @@ POOR = {
 
 
 @pytest.mark.parametrize("case", POOR)
-def test_a_poor_estimate_stops_the_law_and_the_boat_says_why(case: str) -> None:
+def test_a_poor_estimate_stops_the_law_and_is_reported(case: str) -> None:
     good, poor, why = POOR[case]
     sea = at_sea()
     unit = sea.own.station
@@ -83,7 +83,7 @@ def test_a_poor_estimate_stops_the_law_and_the_boat_says_why(case: str) -> None:
     assert sea.state == "FORMATION"
 
 
-def test_a_poor_fix_is_told_before_arming() -> None:
+def test_a_poor_fix_is_reported_before_arming() -> None:
     sea = Sea()
     sea.run(1.0)
     sea.own.tells_fix = False
@@ -109,7 +109,7 @@ def test_odometrys_covariance_counts() -> None:
 @pytest.mark.parametrize(
     "sender", [Station(BOAT, 77), Station(LEADER, LEADER_COMPONENT), Station(255, 190)]
 )
-def test_only_the_unit_in_use_says_how_good_it_is(sender: Station) -> None:
+def test_only_the_unit_in_use_reports_the_quality(sender: Station) -> None:
     sea = at_sea()
     for poor in (gps(fix_type=0), estimator(accuracy_m=500.0), ekf(variance=9.0)):
         sea.say(poor, sender=sender)

@@ -191,7 +191,7 @@ def test_the_clock_is_the_hosts(sea: Sea) -> None:
     assert len(named(sea.ticks, "SYSTEM_TIME")) == 3
 
 
-def test_a_host_that_does_not_know_the_time_says_so(sea: Sea) -> None:
+def test_system_time_is_zero_while_the_host_does_not_know_the_time(sea: Sea) -> None:
     sea.run(3.0)
     assert {m.time_unix_usec for m in named(sea.ticks, "SYSTEM_TIME")} == {0}
 
@@ -303,7 +303,7 @@ def test_the_throttle_is_the_share_of_both_propellers_thrust() -> None:
     assert told.throttle > 5
 
 
-def test_the_units_own_fix_is_handed_on_while_it_is_told() -> None:
+def test_the_units_fix_is_forwarded_while_it_is_received() -> None:
     sea = Sea()
     sea.own.tells_fix = False
     sea.settle()

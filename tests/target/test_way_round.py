@@ -134,7 +134,7 @@ def test_rtl_sails_the_shortest_way_that_keeps_the_margin(name: str) -> None:
     assert 0.95 * least < length < 1.15 * least + 4.0, (length, least)
 
 
-def test_without_a_way_back_the_boat_waits_and_says_so() -> None:
+def test_without_a_way_back_the_boat_waits_and_reports_it() -> None:
     sea = away((20, 0))
     ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
     ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
