@@ -15,14 +15,14 @@ from sil.scenario import scenario
 CALM = scenario.load("diamond", ["duration_s=1"])
 
 
-def test_nominal_run_is_there_when_the_campaign_is_sailed(tmp_path: Path) -> None:
+def test_nominal_run_is_finished_with_the_campaign(tmp_path: Path) -> None:
     said: list[str] = []
     with nominal_run(tmp_path, CALM, {"LAW_KX": 0.3}, said.append):
         pass
     assert nominal.read(tmp_path) is not None and said == []
 
 
-def test_nominal_run_that_fails_is_told_and_costs_nothing(
+def test_failed_nominal_run_is_reported_and_stops_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def write(*_: object) -> bool:
@@ -35,7 +35,7 @@ def test_nominal_run_that_fails_is_told_and_costs_nothing(
     assert said == ["no nominal run: ZeroDivisionError: of the nominal run"]
 
 
-def test_nominal_run_is_given_up_with_the_campaign(tmp_path: Path) -> None:
+def test_an_interrupted_campaign_ends_its_nominal_run(tmp_path: Path) -> None:
     def interrupted(say: Callable[[str], object]) -> None:
         with nominal_run(tmp_path, CALM.model_copy(update={"duration_s": 1e4}), {}, say):
             raise KeyboardInterrupt
@@ -46,7 +46,7 @@ def test_nominal_run_is_given_up_with_the_campaign(tmp_path: Path) -> None:
     assert said == [] and nominal.read(tmp_path) is None
 
 
-def test_nominal_run_tells_how_far_it_is(tmp_path: Path) -> None:
+def test_nominal_run_reports_its_progress(tmp_path: Path) -> None:
     shares: list[float] = []
     progress: Progress = shares.append
     assert nominal.write(tmp_path, CALM, {}, progress)

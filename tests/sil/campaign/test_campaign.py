@@ -90,7 +90,7 @@ def test_tables_do_not_depend_on_workers_and_batches(
 
 
 @pytest.mark.parametrize("varies", [False, True])
-def test_runs_that_are_all_the_same_are_told(
+def test_identical_runs_are_reported(
     varies: bool, scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     short = [str(scenario)] if varies else ["diamond", "--set", "duration_s=2.0"]
@@ -98,7 +98,9 @@ def test_runs_that_are_all_the_same_are_told(
     assert ("are identical: see [[vary]]" in capsys.readouterr().out) != varies
 
 
-def test_fewer_runs_are_the_first_of_more(scenario: Path, sailed: Path, tmp_path: Path) -> None:
+def test_a_smaller_campaign_has_the_first_runs_of_a_larger_one(
+    scenario: Path, sailed: Path, tmp_path: Path
+) -> None:
     assert main(command(scenario, tmp_path, "--runs", "2")) == 0
     few, all_of_them = (pq.read_table(out / "table.parquet") for out in (tmp_path, sailed))
     assert few.equals(all_of_them.slice(0, few.num_rows))
@@ -125,7 +127,7 @@ def test_a_run_sailed_alone_has_the_campaigns_figures_bit_for_bit(
     np.testing.assert_array_equal(seconds["error_m"], distance[:, 1].astype(np.float32))
 
 
-def test_a_run_sailed_again_is_held_against_the_table_it_belongs_to(
+def test_a_run_sailed_again_is_compared_with_its_table(
     scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given = command(scenario, tmp_path, "--runs", "2")
@@ -207,7 +209,7 @@ def assert_none_is_left(mark: str) -> None:
     assert psutil.wait_procs(left, timeout=5.0)[1] == []
 
 
-def test_a_run_that_was_kept_twice_is_in_the_tables_once(
+def test_a_run_stored_twice_is_in_the_tables_once(
     scenario: Path, sailed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as unfinished:
@@ -219,7 +221,7 @@ def test_a_run_that_was_kept_twice_is_in_the_tables_once(
     assert_same(tmp_path, sailed)
 
 
-def test_a_folder_in_which_another_command_is_at_work_is_left_alone(
+def test_a_folder_in_use_by_another_command_is_refused(
     scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with Folder(tmp_path).alone():
@@ -258,7 +260,7 @@ def test_a_campaign_whose_leader_and_boats_are_nowhere_on_the_globe_is_sailed(
 @pytest.mark.parametrize(
     ("boats", "duration_s", "runs"), [(4, 200.0, 25), (4, 2000.0, 3), (300, 200.0, 1), (1, 0.5, 25)]
 )
-def test_batches_of_large_runs_are_small(boats: int, duration_s: float, runs: int) -> None:
+def test_large_runs_are_sailed_in_small_batches(boats: int, duration_s: float, runs: int) -> None:
     nominal = load("diamond", [f"duration_s={duration_s}"])
     fleet = nominal.model_copy(update={"boat": nominal.boat[:1] * boats})
     assert campaign._most_runs(fleet) == runs
@@ -295,7 +297,7 @@ def test_a_campaign_leaves_the_results_of_others_alone(
         (["--param", "LAW_KX=0.1"], "--param LAW_KX: the scenario varies it"),
     ],
 )
-def test_a_mistake_is_told_in_one_line_and_changes_nothing(
+def test_a_mistake_is_reported_in_one_line_and_changes_nothing(
     scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], said: str
 ) -> None:
     out = tmp_path / "out"
@@ -304,7 +306,7 @@ def test_a_mistake_is_told_in_one_line_and_changes_nothing(
     assert not out.exists()
 
 
-def test_a_run_that_fails_says_so_when_it_is_replayed(
+def test_a_failed_run_reports_its_error_when_it_is_replayed(
     scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(command(scenario, tmp_path, "--set", "link.loss=1.0", "--run", "3")) == 2
@@ -322,7 +324,7 @@ def test_workers_of_another_build_end_the_campaign(
     assert "error: a worker has another version" in capsys.readouterr().err
 
 
-def test_runs_that_fail_or_diverge_are_told_and_no_mistake(
+def test_runs_that_fail_or_diverge_are_counted_and_the_command_succeeds(
     scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     tiny = "propellers.forward_max_N=0.1", "propellers.reverse_max_N=0.1", "duration_s=120.0"

@@ -38,7 +38,7 @@ def test_results_come_back_bit_for_bit(tmp_path: Path) -> None:
         np.testing.assert_array_equal(now.psi_rad, was.psi_rad)
 
 
-def test_a_part_that_was_not_finished_is_not_there(tmp_path: Path) -> None:
+def test_an_unfinished_part_is_ignored(tmp_path: Path) -> None:
     folder = Folder(tmp_path)
     folder.begin(IDENTITY, "sail")
     folder.keep(ShareResult((FAILED,), 0.0))
@@ -47,7 +47,7 @@ def test_a_part_that_was_not_finished_is_not_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("bytes_left", [0, 10, 700, -30])
-def test_a_part_that_is_damaged_is_told_and_sailed_again(tmp_path: Path, bytes_left: int) -> None:
+def test_a_damaged_part_is_reported_and_sailed_again(tmp_path: Path, bytes_left: int) -> None:
     folder = Folder(tmp_path)
     folder.begin(IDENTITY, "sail")
     for run in (3, 5):
@@ -60,14 +60,14 @@ def test_a_part_that_is_damaged_is_told_and_sailed_again(tmp_path: Path, bytes_l
 
 
 @pytest.mark.parametrize("content", ["", '{"seed": 3', "[1]", "7"])
-def test_a_campaign_that_is_damaged_is_told_by_its_files_name(tmp_path: Path, content: str) -> None:
+def test_a_damaged_campaign_is_reported_with_its_file(tmp_path: Path, content: str) -> None:
     Folder(tmp_path).begin(IDENTITY, "sail")
     (tmp_path / "campaign.json").write_text(content, encoding="utf-8")
     with pytest.raises(CampaignError, match=r"campaign\.json cannot be read"):
         Folder(tmp_path).begin(IDENTITY, "sail")
 
 
-def test_a_full_disk_is_told_with_the_file_that_it_has_no_room_for(
+def test_a_full_disk_is_reported_with_the_file_that_has_no_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(path: Path, content: bytes) -> None:
@@ -78,7 +78,7 @@ def test_a_full_disk_is_told_with_the_file_that_it_has_no_room_for(
         Folder(tmp_path).write("table.parquet", b"rows")
 
 
-def test_a_folder_is_one_commands_at_a_time(tmp_path: Path) -> None:
+def test_a_folder_serves_one_command_at_a_time(tmp_path: Path) -> None:
     path = tmp_path / "out"
     with (
         Folder(path).alone(),

@@ -84,7 +84,7 @@ def test_page_begins_with_how_the_runs_ended_and_their_picture(page: str) -> Non
     assert page.index(verdict[0]) < page.index("<img ") < page.index("Runs that diverged or failed")
 
 
-def test_every_lost_run_is_told_with_its_reason_and_how_to_replay_it(page: str) -> None:
+def test_every_lost_run_is_listed_with_its_reason_and_the_command_to_replay_it(page: str) -> None:
     _, *rows = rows_under("Runs that diverged or failed", page)
     assert [row[:2] for row in rows] == [
         ["2", "failed"],
@@ -95,7 +95,7 @@ def test_every_lost_run_is_told_with_its_reason_and_how_to_replay_it(page: str) 
     assert rows[0][2:4] == ["boat 1 <failed>", f"<code>{COMMAND} --run 2</code> {COPY}"]
 
 
-def test_worst_runs_are_told_in_order_and_lost_ones_are_not_among_them(page: str) -> None:
+def test_worst_runs_are_listed_in_order_without_the_lost_ones(page: str) -> None:
     _, *rows = rows_under("The worst of the runs", page)
     errors_m = [float(row[2]) for row in rows]
     assert len(rows) == 5 and errors_m == sorted(errors_m, reverse=True)
@@ -113,7 +113,7 @@ def test_percentile_that_reaches_into_the_runs_that_diverged_is_infinite(page: s
         assert 0.2 < float(cells["median"]) < float(cells["75 %"]) < 2.0
 
 
-def test_thrust_of_boats_that_diverged_is_not_averaged_in(page: str) -> None:
+def test_diverged_boats_are_left_out_of_the_mean_thrust(page: str) -> None:
     _, *rows = rows_under("Thrust", page)
     # theirs, of every twelfth run, is ten times as much
     assert all(4.0 < float(number) < 8.0 for _, *row in some(rows) for number in row[:2])
@@ -135,13 +135,15 @@ def test_no_more_than_twenty_lost_runs_are_listed_and_the_others_counted(tmp_pat
     ],
     ids=["one boat", "all diverged", "all failed", "many boats"],
 )
-def test_campaigns_at_the_edge_have_a_page(made: Made, tmp_path: Path) -> None:
+def test_campaigns_of_one_boat_many_boats_or_only_lost_runs_have_a_page(
+    made: Made, tmp_path: Path
+) -> None:
     page = page_of(made, tmp_path)
     assert f"{made.runs} runs" in page and ">nan" not in page
     assert page.count("data:image/png") == (0 if made.failed else 1)
 
 
-def test_campaign_that_is_not_finished_is_told_with_the_command_that_goes_on(
+def test_unfinished_campaign_is_refused_with_the_command_that_resumes_it(
     tmp_path: Path,
 ) -> None:
     Made(runs=2).write(tmp_path)
@@ -150,5 +152,5 @@ def test_campaign_that_is_not_finished_is_told_with_the_command_that_goes_on(
         finished.read(tmp_path)
 
 
-def test_percentiles_say_of_how_many_runs_they_are(page: str) -> None:
+def test_percentiles_name_the_number_of_their_runs(page: str) -> None:
     assert "from 60 s on (m): 39 of 40 runs; 1 failed are not in it</h2>" in page

@@ -40,7 +40,7 @@ def test_differences_below_the_least_relevant_one_are_equal() -> None:
     assert of_ratio(tiny, 10.0 * tiny, 0.5, paired=True).ratio == 1.0
 
 
-def test_unpaired_interval_is_as_wide_as_theory_has_it_and_found_beyond_it() -> None:
+def test_unpaired_interval_has_the_theoretical_width() -> None:
     a, b = figures(400, seed=4), figures(400, seed=5)
     found = of_ratio(a, b, 0.5, paired=False)
     # of a median: √(π/2) σ/√n, of the difference of two √2 times that; 3.2 deviations each way
@@ -78,7 +78,7 @@ def test_interval_is_the_same_every_time() -> None:
     assert of_ratio(a, b, 0.95, paired=False) == of_ratio(a, b, 0.95, paired=False)
 
 
-def test_pairs_that_diverge_only_in_one_campaign_are_counted_like_coins() -> None:
+def test_pairs_that_diverge_in_one_campaign_only_get_a_sign_test() -> None:
     a, b = np.zeros(100, bool), np.zeros(100, bool)
     a[:30] = b[:30] = True
     b[30:42] = True
@@ -90,7 +90,7 @@ def test_pairs_that_diverge_only_in_one_campaign_are_counted_like_coins() -> Non
     assert change.of_share(a, b, TESTS, paired=True).verdict == "same"
 
 
-def test_shares_of_other_runs_are_compared_by_all_ways_to_deal_them_out() -> None:
+def test_unpaired_shares_get_fishers_exact_test() -> None:
     a, b = np.arange(40) < 0, np.arange(40) < 12
     found = change.of_share(a, b, TESTS, paired=False)
     # all twelve among the one half of eighty, or all among the other

@@ -36,7 +36,7 @@ def test_campaign_is_the_same_as_itself(compare: Callable[..., Compared]) -> Non
 
 
 @pytest.mark.parametrize("gain", [1.1, 0.9])
-def test_change_of_pairs_is_told_and_only_the_worse_ends_with_one(
+def test_change_of_pairs_is_reported_and_only_a_worse_one_ends_with_status_1(
     gain: float, compare: Callable[..., Compared]
 ) -> None:
     status, said = compare(A, replace(A, gain=gain))
@@ -45,7 +45,7 @@ def test_change_of_pairs_is_told_and_only_the_worse_ends_with_one(
     assert f"B is {verdict}: rms_error_m, rms_error_p95_m" in said
 
 
-def test_change_within_the_margin_is_not_told(compare: Callable[..., Compared]) -> None:
+def test_change_within_the_margin_is_not_reported(compare: Callable[..., Compared]) -> None:
     status, said = compare(A, replace(A, gain=1.005))
     assert status == 0 and "no change that is certain" in said
 
@@ -101,7 +101,9 @@ def test_diverged_runs_count_as_infinite_and_enough_of_them_are_worse(
     assert told["thrust_rms_N"]["ratio"] == 1.0
 
 
-def test_json_says_what_the_table_does(compare: Callable[..., Compared], tmp_path: Path) -> None:
+def test_json_has_the_verdict_and_figures_of_the_table(
+    compare: Callable[..., Compared], tmp_path: Path
+) -> None:
     file = tmp_path / "told.json"
     compare(A, replace(A, gain=1.2), "--json", str(file))
     told = json.loads(file.read_text())
@@ -159,7 +161,7 @@ def test_runs_of_another_shape_are_not_compared(
         (Made(runs=5), "at least 20 are needed"),
     ],
 )
-def test_campaigns_that_cannot_be_compared_are_told_in_one_line(
+def test_incomparable_campaigns_are_reported_in_one_line(
     b: Made, what: str, compare: Callable[..., Compared]
 ) -> None:
     status, said = compare(A, b)
@@ -167,7 +169,7 @@ def test_campaigns_that_cannot_be_compared_are_told_in_one_line(
     assert what in said
 
 
-def test_folder_without_a_campaign_is_told_with_how_to_make_one(
+def test_folder_without_a_campaign_is_reported_with_the_command_to_make_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["compare", str(tmp_path / "none"), str(tmp_path)]) == 2
@@ -176,7 +178,7 @@ def test_folder_without_a_campaign_is_told_with_how_to_make_one(
 
 
 @pytest.mark.parametrize("name", ["campaign.json", "table.parquet", "draws.parquet"])
-def test_broken_or_missing_file_is_told_by_its_name(
+def test_damaged_or_missing_file_is_reported_by_its_name(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     places = [A.write(tmp_path / letter) for letter in "ab"]

@@ -43,14 +43,14 @@ def test_band_of_a_percentile_that_is_infinite_ends_at_the_top(tmp_path: Path) -
     assert "diverged runs: infinite" in figure.axes[0].get_ylabel()
 
 
-def test_nothing_is_told_of_infinity_where_no_run_diverged(tmp_path: Path) -> None:
+def test_picture_mentions_no_infinity_where_no_run_diverged(tmp_path: Path) -> None:
     figure = picture_of(Made(runs=50), tmp_path)
     for axes in some(figure.axes):
         assert not axes.texts and all(high < axes.get_ylim()[1] for _, high in some(bands(axes)))
     assert "none diverged" in figure.get_suptitle()
 
 
-def test_bands_are_one_in_the_other_and_the_outermost_holds_every_run(tmp_path: Path) -> None:
+def test_bands_are_nested_and_the_outermost_contains_every_run(tmp_path: Path) -> None:
     axes = picture_of(Made(runs=50), tmp_path).axes[0]
     (low, high), wide, narrow = bands(axes)
     assert low <= wide[0] <= narrow[0] and narrow[1] <= wide[1] <= high

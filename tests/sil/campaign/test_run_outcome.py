@@ -102,7 +102,7 @@ def test_distance_that_is_nan_has_diverged() -> None:
     assert left.outcome == "diverged" and left.reason == "boat 2: nan m from its slot"
 
 
-def test_fleet_that_cannot_start_has_failed_and_says_why() -> None:
+def test_fleet_that_cannot_start_has_failed_with_the_reason() -> None:
     left = result_of(2, SCENARIO, StartError("boat 1: LOW BATTERY"))
     assert (left.run, left.seed, left.outcome) == (2, 5, "failed")
     assert left.reason == "boat 1: LOW BATTERY"

@@ -100,7 +100,9 @@ def assert_failed_alone(made: Sampler, noted: list[ShareResult]) -> None:
         assert run.digest == sail_batch(batch(made, (run.run,))).runs[0].digest
 
 
-def test_no_scheduler_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_scheduler_is_reported_with_its_address(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     given = ["campaign", str(short(tmp_path)), "--out", str(tmp_path / "out")]
     with dask.config.set({"distributed.comm.timeouts.connect": "200ms"}):
         assert main([*given, "--scheduler", "tcp://127.0.0.1:9"]) == 2
@@ -128,7 +130,7 @@ def test_workers_that_are_not_there_yet_are_waited_for(tmp_path: Path) -> None:
     assert said == [f"{late.scheduler_address} has no workers: waiting for the first"]
 
 
-def test_a_scheduler_that_is_lost_is_told(tmp_path: Path) -> None:
+def test_a_lost_scheduler_is_reported_with_its_address(tmp_path: Path) -> None:
     made = sampler(tmp_path, "", ("duration_s=20.0",))
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"

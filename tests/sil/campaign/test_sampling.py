@@ -32,7 +32,7 @@ def test_a_draw_is_that_of_seed_run_and_key_alone(tmp_path: Path) -> None:
     assert drawn["parameters.LAW_KX"] == pytest.approx(0.2 * rng.uniform(0.5, 1.5), rel=1e-6)
 
 
-def test_other_lines_and_their_order_move_no_draw(tmp_path: Path) -> None:
+def test_other_vary_tables_and_their_order_change_no_draw(tmp_path: Path) -> None:
     few = sampler(tmp_path)
     more = sampler(tmp_path, vary("link.loss", "uniform = [0, 0.1]"))
     head, *tables = SHORT.split("[[vary]]\n")
@@ -53,7 +53,7 @@ def test_runs_seeds_and_boats_differ(tmp_path: Path) -> None:
     assert len({Sampler(source, seed).seed_of(run) for seed in (1, 2) for run in (0, 1)}) == 4
 
 
-def test_scenario_of_a_run_has_what_was_drawn_and_nothing_else(tmp_path: Path) -> None:
+def test_scenario_of_a_run_differs_only_by_its_draws(tmp_path: Path) -> None:
     made = sampler(tmp_path)
     nominal = made.nominal
     for run in range(5):
@@ -94,7 +94,7 @@ def test_draws_have_the_distribution_of_the_file(tmp_path: Path) -> None:
         ("parameters.CTL_RATE", [100.0]),  # the scenario's
     ],
 )
-def test_a_number_is_scaled_or_added_to_what_is_in_force(
+def test_a_draw_scales_the_number_in_force_or_is_added_to_it(
     tmp_path: Path, key: str, own: list[float]
 ) -> None:
     tables = "[vessel]\nm11 = 1.5\n[parameters]\nVES_M11 = 2.0\n[boat.2.vessel]\nm11 = 3.0\n"
@@ -181,13 +181,13 @@ def test_an_array_of_all_and_a_boats_own_are_not_both_varied(tmp_path: Path) -> 
         ('normal = [0, 1]\ncombine = "times"', '"vary.4.combine" = "times"'),
     ],
 )
-def test_an_invalid_vary_is_told(tmp_path: Path, how: str, said: str) -> None:
+def test_an_invalid_vary_is_refused(tmp_path: Path, how: str, said: str) -> None:
     with pytest.raises(ScenarioError) as told:
         sampler(tmp_path, vary("link.loss", how))
     assert said in str(told.value)
 
 
-def test_an_impossible_draw_is_told_with_run_key_value_and_line(tmp_path: Path) -> None:
+def test_an_impossible_draw_is_reported_with_run_key_value_and_line(tmp_path: Path) -> None:
     made = sampler(tmp_path, vary("link.loss", "normal = [0.5, 0.5]"))
     bad = next(run for run in range(100) if not 0.0 <= float(made.draws(run)["link.loss"]) <= 1.0)
     with pytest.raises(ScenarioError) as told:
@@ -197,11 +197,11 @@ def test_an_impossible_draw_is_told_with_run_key_value_and_line(tmp_path: Path) 
     assert f'"link.loss" = {made.draws(bad)["link.loss"]}: must be' in str(told.value)
 
 
-def test_a_single_run_takes_no_notice_of_what_a_campaign_varies(tmp_path: Path) -> None:
+def test_a_single_run_ignores_vary(tmp_path: Path) -> None:
     assert scenario.load(short(tmp_path)).boat == scenario.load("diamond").boat
 
 
-def test_boats_that_would_start_too_near_are_drawn_once_more_and_no_other_run_is(
+def test_only_runs_whose_boats_would_start_too_near_are_drawn_again(
     tmp_path: Path,
 ) -> None:
     free, wide = sampler(tmp_path), sampler(tmp_path, overrides=("start_apart_m=4",))
@@ -217,7 +217,7 @@ def test_boats_that_would_start_too_near_are_drawn_once_more_and_no_other_run_is
     assert 20 < again < 60
 
 
-def test_boats_that_cannot_start_so_far_apart_are_told_with_run_and_distance(
+def test_an_impossible_start_distance_is_reported_with_run_and_distance(
     tmp_path: Path,
 ) -> None:
     with pytest.raises(ScenarioError, match=r"run 3: no start in 1000 draws is 1000\.0 m apart"):

@@ -45,13 +45,13 @@ def test_each_boat_has_its_own_percentiles_of_the_seconds_from_100_s_on() -> Non
     ]
 
 
-def test_a_run_that_diverged_is_infinitely_far_and_one_that_failed_is_none() -> None:
+def test_a_diverged_run_counts_as_infinite_and_a_failed_one_not_at_all() -> None:
     told = figures([sailed(0, (1.0,)), sailed(1, (2.0,), outcome="diverged"), FAILED])
     assert told["boats"] == [{"boat": 1, "p50_m": 1.0, "p95_m": np.inf}] and told["runs"] == 2
 
 
 @pytest.mark.parametrize(("duration_s", "from_s"), [(0.5, 0.0), (2.5, 1.0), (90.0, 45.0)])
-def test_of_a_short_run_its_second_half_counts(duration_s: float, from_s: float) -> None:
+def test_a_short_run_is_judged_by_its_second_half(duration_s: float, from_s: float) -> None:
     last_s = int(duration_s)
     values = [float(second) for second in range(last_s + 1)]
     told = figures([result(0, [values])], duration_s)
@@ -74,7 +74,7 @@ def test_the_page_has_the_percentiles_of_the_terminal(tmp_path: Path) -> None:
     assert page.late_s == told["from_s"] == 60.0
 
 
-def test_runs_that_failed_are_told_beside_the_figures_that_lack_them() -> None:
+def test_figures_name_the_number_of_failed_runs_that_they_leave_out() -> None:
     console = Console(width=100, file=io.StringIO(), record=True)
     nominal = scenario.load("diamond", ["duration_s=200"])
     for runs in ([sailed(0, (1.0,)), FAILED], [FAILED], [sailed(0, (1.0,))]):
@@ -84,7 +84,7 @@ def test_runs_that_failed_are_told_beside_the_figures_that_lack_them() -> None:
     assert "0 of 1 runs; 1 failed are not in it" in said and "from 100 s on, 1 runs" in said
 
 
-def test_the_closest_two_boats_and_the_runs_in_formation_are_told() -> None:
+def test_the_closest_two_boats_and_the_settled_runs_are_reported() -> None:
     nominal = scenario.load("diamond", ["duration_s=200"])
     near = sailed(3, (1.0, 2.0))
     settled = tuple(boat | {"settling_time_s": 30.0} for boat in near.boats)

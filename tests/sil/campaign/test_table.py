@@ -17,7 +17,7 @@ FAILED = RunResult(2, 7, "failed", "lost its process")
 RUNS = [result(0, [[1, 2], [3, 4]]), result(1, [[5, 6], [7, 8]], "diverged"), FAILED]
 
 
-def test_a_row_a_run_and_boat_and_null_where_there_is_no_figure() -> None:
+def test_the_table_has_a_row_for_each_run_and_boat_and_null_for_missing_figures() -> None:
     rows = table.table(RUNS, 2, ["FORMATION", "HOLD"]).to_pylist()
     assert [(row["run"], row["boat"]) for row in rows] == [(r, b) for r in range(3) for b in (1, 2)]
     assert [row["outcome"] for row in rows[::2]] == ["ok", "diverged", "failed"]
@@ -27,7 +27,7 @@ def test_a_row_a_run_and_boat_and_null_where_there_is_no_figure() -> None:
     assert rows[4]["reason"] == "lost its process" and rows[4]["seed"] == 7
 
 
-def test_a_row_a_run_boat_and_second() -> None:
+def test_the_seconds_table_has_a_row_for_each_run_boat_and_second() -> None:
     rows = table.seconds(RUNS).to_pylist()
     assert [tuple(row.values()) for row in rows] == [
         (0, 1, 0.0, 1.0, 0.5),
@@ -42,7 +42,7 @@ def test_a_row_a_run_boat_and_second() -> None:
     assert table.seconds([FAILED]).num_rows == 0
 
 
-def test_a_percentile_is_what_so_many_runs_do_not_exceed() -> None:
+def test_a_percentile_is_the_value_that_its_share_of_runs_does_not_exceed() -> None:
     rng = np.random.default_rng(5)
     errors = rng.exponential(size=(100, 1, 3))
     runs = [
@@ -58,7 +58,7 @@ def test_a_percentile_is_what_so_many_runs_do_not_exceed() -> None:
         assert row["p95"] == math.inf and row["n"] == 100 and row["n_diverged"] == 8
 
 
-def test_of_a_campaign_that_failed_there_are_tables_too() -> None:
+def test_a_failed_campaign_has_empty_tables() -> None:
     assert table.envelopes([FAILED]).num_rows == 0
     assert table.envelopes([FAILED]).column_names == table.envelopes(RUNS).column_names
 

@@ -16,7 +16,7 @@ def same(one: RunResult, other: RunResult) -> bool:
     return repr(one) == repr(other) and one.error_m.tobytes() == other.error_m.tobytes()
 
 
-def test_a_run_beside_others_is_the_run_alone(tmp_path: Path) -> None:
+def test_a_run_beside_others_equals_the_run_alone(tmp_path: Path) -> None:
     made = sampler(tmp_path)
     together = sail_batch(batch(made, (0, 1, 5)))
     assert [run.run for run in together.runs] == [0, 1, 5] and together.busy_s > 0.0
@@ -40,11 +40,11 @@ def test_a_run_that_the_firmware_refuses_has_failed_and_costs_no_other(tmp_path:
             assert same(run, calm[run.run])
 
 
-def test_boats_that_cannot_start_have_failed_and_say_why(tmp_path: Path) -> None:
+def test_boats_that_cannot_start_have_failed_with_the_reason(tmp_path: Path) -> None:
     lost = sail_batch(batch(sampler(tmp_path, "", ("link.loss=1.0",)), (0,))).runs[0]
     assert lost.outcome == "failed" and "not in FORMATION" in lost.reason
 
 
-def test_a_worker_of_other_code_refuses(tmp_path: Path) -> None:
+def test_a_worker_with_other_code_refuses_the_batch(tmp_path: Path) -> None:
     with pytest.raises(OtherCodeError):
         sail_batch(replace(batch(sampler(tmp_path), (0,)), code="other"))

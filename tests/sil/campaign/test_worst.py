@@ -66,7 +66,7 @@ def test_worst_run_that_cannot_be_started_here_is_left_out(tmp_path: Path) -> No
     assert worst.read(folder) is None
 
 
-def test_damaged_history_is_told_with_its_file(tmp_path: Path) -> None:
+def test_damaged_history_is_reported_with_its_file(tmp_path: Path) -> None:
     (tmp_path / worst.NAME).write_bytes(b'{"title": ')
     with pytest.raises(ValueError, match=r"worst\.json is damaged"):
         worst.read(tmp_path)

@@ -74,7 +74,7 @@ def test_page_begins_with_the_verdict_and_names_no_label_of_the_papers_source(
     assert "eq:" not in page
 
 
-def test_folder_that_cannot_be_made_is_told_by_its_name_and_nothing_is_left(
+def test_impossible_folder_is_reported_by_its_name_and_nothing_is_left(
     tmp_path: Path,
 ) -> None:
     (tmp_path / "file").touch()
@@ -93,7 +93,7 @@ def test_file_that_cannot_be_replaced_leaves_no_part(two_legs: Certificate, tmp_
     assert [path.name for path in tmp_path.iterdir()] == ["decay.png"]
 
 
-def test_link_is_followed_and_stays_a_link(two_legs: Certificate, tmp_path: Path) -> None:
+def test_symbolic_link_is_followed_and_kept(two_legs: Certificate, tmp_path: Path) -> None:
     file, link = tmp_path / "target.json", tmp_path / "link.json"
     file.touch()
     link.symlink_to(file)

@@ -32,7 +32,7 @@ def told(certificate: Certificate) -> str:
     return " ".join(console.export_text().split())
 
 
-def test_gain_at_the_end_of_the_formulas_range_is_not_called_the_largest(
+def test_gain_at_the_end_of_the_formulas_range_is_reported_as_a_lower_bound(
     straight: Certificate,
 ) -> None:
     (leg,) = straight.legs
@@ -43,7 +43,7 @@ def test_gain_at_the_end_of_the_formulas_range_is_not_called_the_largest(
     assert "largest k_x (1/s) 9.9900 " in told(changed)
 
 
-def test_suggested_gains_stand_beside_todays_and_what_they_cost(straight: Certificate) -> None:
+def test_suggested_gains_are_shown_with_todays_gains_and_their_noise(straight: Certificate) -> None:
     found = straight.search
     assert found is not None
     text = told(straight)
@@ -54,7 +54,7 @@ def test_suggested_gains_stand_beside_todays_and_what_they_cost(straight: Certif
     assert f"in place {found.noise['place']:.2g}" in text and found.noise["place"] > 1.0
 
 
-def test_the_report_says_what_the_linearised_loop_leaves_out(straight: Certificate) -> None:
+def test_the_report_names_the_limits_of_the_linearised_loop(straight: Certificate) -> None:
     assert "THR_SLEW = 5, THR_DEAD = 0.01: not in the linearised loop" in told(straight)
     assert "concerns small errors" in told(straight)
 

@@ -19,7 +19,7 @@ def test_boats_of_the_diamond_are_all_alike() -> None:
     assert groups("diamond") == [[1, 2, 3, 4]]
 
 
-def test_boat_that_is_told_something_else_is_examined_by_itself() -> None:
+def test_boat_with_other_parameters_is_examined_by_itself() -> None:
     assert groups("diamond", "boat.3.parameters={LAW_KX = 0.3}") == [[1, 2, 4], [3]]
     assert groups("diamond", "boat.2.navigation.rate_hz=20.0") == [[1, 3, 4], [2]]
     assert groups("diamond", "boat.4.vessel.m11=1.2") == [[1, 2, 3], [4]]
@@ -39,11 +39,11 @@ def test_follower_of_a_boat_in_a_current_has_a_leader_that_heads_up() -> None:
     assert others.leader.eta(now)[0, 2] == pytest.approx(-np.arctan(0.1 * 3.436 / 2.0))
 
 
-def test_sizes_of_boats_are_groups() -> None:
+def test_boats_of_one_size_form_a_group() -> None:
     assert groups("tree") == [[1], [2, 3], [4, 5, 6, 7]]
 
 
-def test_law_knows_the_vessel_that_it_is_told() -> None:
+def test_law_uses_the_vessel_of_the_parameters() -> None:
     chosen = scenario.load("diamond", ["mismatch.share=0.3"])
     own = parameters(chosen, {"VES_M11": 1.5})[0]
     vessel = vessel_of(own, 0.5)
@@ -54,6 +54,6 @@ def test_law_knows_the_vessel_that_it_is_told() -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"LAW_KX": 9.0}, {"LAW_KZ": 1.0}])
-def test_what_the_firmware_refuses_is_refused(wrong: dict[str, float]) -> None:
+def test_parameters_that_the_firmware_refuses_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="LAW_K"):
         parameters(scenario.load("diamond"), wrong)

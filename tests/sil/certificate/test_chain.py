@@ -45,7 +45,7 @@ def test_each_hop_amplifies_more_the_later_the_radio_is(delay_s: float, most: fl
     assert max(followed(delay_s).yaw.hop) == pytest.approx(most, abs=0.15)  # measured in chains
 
 
-def test_a_slow_turn_is_passed_on_as_it_is() -> None:
+def test_a_slow_turn_passes_a_hop_without_amplification() -> None:
     found = followed(0.2)
     assert found.yaw.hop[0] == pytest.approx(1.0, abs=0.05)
     assert found.surge.hop[0] == pytest.approx(1.0, abs=0.05)

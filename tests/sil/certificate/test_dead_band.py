@@ -55,7 +55,7 @@ def test_deviations_of_every_size_shrink_as_the_multipliers_say(
     assert 0.001 < np.hypot(loop.error[0], loop.error[1]) < 0.03
 
 
-def test_loop_that_runs_away_does_so_with_a_dead_band_too() -> None:
+def test_a_dead_band_does_not_stabilise_an_unstable_loop() -> None:
     rates = ("rate_hz=50.0", "navigation.rate_hz=50.0", "propellers.dead=0.02")
     decay = np.exp(-0.864 / 0.354 * 0.02)
     limit = 0.864 * (1.0 + decay) / (1.0 - decay) - 0.864  # of the held yaw loop

@@ -45,7 +45,7 @@ def test_search_finds_the_top_of_a_hill() -> None:
     assert shares == sorted(shares) and shares[-1] == 1.0 and shares[0] > 0.0
 
 
-def test_look_ahead_is_searched_where_there_is_one() -> None:
+def test_look_ahead_is_searched_where_the_law_has_one() -> None:
     top = {"LAW_KX": 0.31, "LAW_KPSI": 0.7, "LAW_XT_DIST": 1.9}
     patch = hill(top)
     try:
@@ -74,7 +74,7 @@ def test_search_ends_when_its_count_is_over(monkeypatch: pytest.MonkeyPatch) -> 
         assert not found.complete and found.evaluations == cycles
 
 
-def test_costly_loops_are_searched_on_a_coarser_grid_to_the_end(
+def test_search_of_costly_loops_is_completed_on_a_coarser_grid(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(search, "SEARCH_CYCLES", 50)
@@ -82,7 +82,7 @@ def test_costly_loops_are_searched_on_a_coarser_grid_to_the_end(
     assert found.complete and 25 < found.evaluations <= 50
 
 
-def test_gain_at_the_end_of_its_range_and_todays_decay_are_told() -> None:
+def test_gain_at_the_end_of_its_range_and_todays_decay_are_reported() -> None:
     patch = hill({"LAW_KX": 50.0, "LAW_KPSI": 0.7})
     try:
         found = fastest([somewhere(boat())], lambda _: None)
@@ -94,7 +94,7 @@ def test_gain_at_the_end_of_its_range_and_todays_decay_are_told() -> None:
     assert found.decay_of_law_now == pytest.approx(0.3 - 0.01 * away) and found.decay_now == 0.05
 
 
-def test_curve_of_the_papers_law_is_highest_where_its_periodic_system_is() -> None:
+def test_decay_of_the_papers_law_peaks_at_the_gain_of_its_periodic_system() -> None:
     setup = boat()
     points = monodromy.on_slot(setup, monodromy.instants(setup, 24, windows=1))
     decays = [whole for whole, _ in curve(setup, points, lambda _: None)]

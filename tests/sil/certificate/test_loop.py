@@ -89,7 +89,7 @@ def test_fixes_come_as_often_as_the_navigation_unit_sends_them(rate_hz: float, c
 
 
 @pytest.mark.parametrize("expo", [0.0, 0.6, 1.0])
-def test_propeller_with_a_curve_that_the_firmware_knows_gives_what_is_asked(expo: float) -> None:
+def test_propeller_with_a_known_curve_gives_the_thrust_requested(expo: float) -> None:
     changed = [*TURN, f"propellers.expo={expo}"]
     loop = Loop(boat(*changed, changed={"THR_EXPO": expo}), 1)
     loop.start(0)
@@ -100,7 +100,7 @@ def test_propeller_with_a_curve_that_the_firmware_knows_gives_what_is_asked(expo
     np.testing.assert_allclose(loop.eta, slot, atol=1e-3)
 
 
-def test_thrust_beyond_the_propellers_is_told() -> None:
+def test_thrust_beyond_the_propellers_is_reported_as_limited() -> None:
     loop = Loop(boat(changed={"THR_FWD_MAX": 1.0}), 1)
     loop.start(0)
     sail(loop, 1)

@@ -11,7 +11,7 @@ from tests.sil.certificate.made_up import AT_REST, SINE, TURN, boat
 from tests.turns import some
 
 
-def test_windows_are_as_many_as_come_nearest_to_whole_ticks() -> None:
+def test_number_of_windows_is_the_one_nearest_to_whole_ticks() -> None:
     where = monodromy.instants(boat(), 500)
     # 2094.395 ticks: five periods miss by 0.02, fewer by 0.19 and more
     assert (where.windows, where.length) == (5, 10472)
@@ -28,12 +28,12 @@ def test_instants_fall_where_a_cycle_of_fixes_begins() -> None:
     assert all(slow.fix_due(int(tick)) for tick in some(where.ticks))
 
 
-def test_straight_leg_is_looked_at_once() -> None:
+def test_straight_leg_is_examined_at_one_instant() -> None:
     where = monodromy.instants(boat(SINE), 500)
     assert (len(where.ticks), where.cycles.tolist(), where.length) == (1, [100], 100)
 
 
-def test_linearised_boat_goes_where_the_boat_goes() -> None:
+def test_linearised_boat_predicts_the_effect_of_a_nudge() -> None:
     boat_1 = boat(*TURN, law="product")
     where = monodromy.instants(boat_1, 100_000, windows=1)
     start = monodromy.on_slot(boat_1, where)
@@ -87,7 +87,7 @@ def test_boat_forgets_estimates_whose_bandwidth_is_0_at_once() -> None:
     assert kept["product"].all() and not kept["paper"].any()
 
 
-def test_mode_that_stays_in_the_memory_is_not_visible() -> None:
+def test_mode_that_does_not_move_the_boat_is_not_visible() -> None:
     n = BODY
     product = np.diag([*[0.5] * n, 1.0, 1.0])
     product[0, n] = 1.0  # moves the boat

@@ -9,7 +9,7 @@ from sil.certificate.motion import Series, body_from_ground, ground_from_body, m
 TIMES = np.array([3.0, 3.21, 7.77, 12.9, -4.0, 103.3])
 
 
-def test_sampled_sines_are_known_at_any_time_with_their_rates() -> None:
+def test_sampled_sines_and_their_rates_are_interpolated_exactly() -> None:
     window_s, begin_s, samples = 10.0, 3.0, 64
     omega = 2.0 * np.pi / window_s
     at = begin_s + window_s * np.arange(samples) / samples
@@ -21,7 +21,7 @@ def test_sampled_sines_are_known_at_any_time_with_their_rates() -> None:
     np.testing.assert_allclose(series.rate(TIMES), rates, atol=1e-11)
 
 
-def test_boat_on_a_straight_leg_goes_on_for_ever() -> None:
+def test_boat_on_a_straight_leg_continues_for_ever() -> None:
     eta = np.array([[1.0, 2.0, 0.5], [1.3, 2.4, 0.5]])
     motion = motion_of(0.0, 2.0, eta, np.array([[0.25, 0.0, 0.0]]))
     np.testing.assert_allclose(

@@ -23,7 +23,7 @@ def test_velocity_and_yaw_rate_reach_the_thrusts_by_their_gains() -> None:
     assert 4.0 < second["velocity"] - first["velocity"] < 5.0 + 0.1
 
 
-def test_noisy_fixes_shake_the_thrusts_as_much_as_is_said() -> None:
+def test_noise_gains_predict_the_thrust_noise_of_noisy_fixes() -> None:
     setup = boat(law="product")
     points = monodromy.on_slot(setup, monodromy.instants(setup, 6, windows=1))
     sigma, rng = 1e-4, np.random.default_rng(1)

@@ -95,7 +95,7 @@ def test_window_of_a_leader_that_turns_on_average_brings_its_heading_back() -> N
     assert abs(turns - round(turns)) < 0.02
 
 
-def test_each_input_is_a_reference_of_its_own_and_so_is_the_time_before_the_first() -> None:
+def test_each_input_and_the_time_before_the_first_is_a_reference() -> None:
     inputs = "[{from_s = 30.0, surge_N = 2.0, yaw_Nm = 0.1}, {from_s = 90.0}]"
     late = scenario.load("diamond", ["duration_s=200.0", f"leader.input={inputs}"])
     found = references(late)

@@ -11,7 +11,7 @@ from sil.scenario import scenario
 
 
 @pytest.mark.parametrize("boats", range(2, 7))
-def test_whichever_boat_fails_no_other_hangs_deeper_than_before(boats: int) -> None:
+def test_after_any_failure_no_boat_is_deeper_in_the_tree(boats: int) -> None:
     for leaders in itertools.product(*(range(1, boat) for boat in range(2, boats + 1))):
         follows = {1: 0, **dict(enumerate(leaders, start=2))}
         for failed in follows:
@@ -21,7 +21,7 @@ def test_whichever_boat_fails_no_other_hangs_deeper_than_before(boats: int) -> N
             assert all(depth(left, boat) <= depth(follows, boat) for boat in left)
 
 
-def test_followers_hang_on_the_next_one_above_or_on_the_boat_that_leads_now() -> None:
+def test_followers_of_a_failed_boat_follow_its_leader_or_the_new_one() -> None:
     tree = {1: 0, 2: 1, 3: 2, 4: 2, 5: 1}
     assert rehung(tree, 2) == {1: 0, 3: 1, 4: 1, 5: 1}
     assert rehung(tree, 1) == {2: 0, 3: 2, 4: 2, 5: 2}

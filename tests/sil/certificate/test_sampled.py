@@ -50,7 +50,7 @@ def test_in_a_constant_turn_the_decay_is_that_of_a_constant_matrix() -> None:
     assert found.decay == pytest.approx(0.1, rel=0.01)
 
 
-def test_few_instants_tell_nearly_what_many_tell(paper: SampledLoop) -> None:
+def test_decay_from_few_instants_is_within_1_percent_of_that_from_many(paper: SampledLoop) -> None:
     setup = boat()
     points = sampled_loop(setup, False)[1]
     assert quick_decay(setup, points)[0] == pytest.approx(paper.decay, rel=0.01)
@@ -98,7 +98,7 @@ def test_behind_a_leader_at_rest_the_law_is_not_blamed_for_the_error_abeam(law: 
     assert found.holds and found.decay > 0.1
 
 
-def test_hull_without_way_cannot_be_moved_abeam_and_one_with_way_can() -> None:
+def test_sway_is_controllable_only_with_way_on() -> None:
     for overrides, thrust_N, count in ((AT_REST, 0.0, 1), ((SINE,), 1.0, 0)):
         setup = boat(*overrides)
         state = np.concatenate([setup.slot.eta(np.zeros(1))[0], setup.slot.nu(np.zeros(1))[0]])
@@ -111,7 +111,7 @@ def test_yaw_gain_too_high_for_its_rate_grows() -> None:
     assert found.decay < -10.0 and found.radius > 1e100
 
 
-def test_limit_of_the_yaw_gain_is_where_a_held_loop_has_it() -> None:
+def test_limit_of_the_yaw_gain_is_that_of_the_sampled_loop() -> None:
     # ṙ = (N − d33 r)/m33, N = −k_dr r held for h: stable up to (1 + e^{−ah}) d33 / (1 − e^{−ah})
     decay = np.exp(-0.864 / 0.354 * 0.02)
     limit = 0.864 * (1.0 + decay) / (1.0 - decay) - 0.864
@@ -119,7 +119,7 @@ def test_limit_of_the_yaw_gain_is_where_a_held_loop_has_it() -> None:
     assert examined(*AT_50_HZ, *AT_REST, LAW_KDR=1.04 * limit).outcome == "grows"
 
 
-def test_boat_at_its_propellers_limits_does_not_hold() -> None:
+def test_boat_at_its_propellers_limits_is_not_steady() -> None:
     found = examined("propellers.forward_max_N=1.2", THR_FWD_MAX=1.2)
     assert found.limited and not found.steady and not found.holds
 
@@ -129,7 +129,7 @@ def test_cross_current_carries_the_papers_boat_off_a_straight_leg() -> None:
     assert not found.steady and not found.holds
 
 
-def test_modes_of_the_estimates_are_told_from_those_of_the_law() -> None:
+def test_modes_of_the_estimates_are_separated_from_those_of_the_law() -> None:
     both = examined(law="product", LAW_CUR_BW=0.05, LAW_OBS_BW=1.0)
     law = examined(law="product", LAW_CUR_BW=0.0, LAW_OBS_BW=0.0)
     assert both.decay < law.decay

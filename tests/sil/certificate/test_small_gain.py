@@ -34,7 +34,7 @@ def test_papers_gains_do_not_pass_the_papers_test(paper: SmallGain) -> None:
     assert paper.product < paper.above_square_of_sum
 
 
-def test_formulas_give_what_they_give_by_hand() -> None:
+def test_formulas_agree_with_a_calculation_by_hand() -> None:
     test = small_gain(VESSEL, made_up(2.0, 0.5, 0.4), 0.2, 0.3)
     # α = (2·0.16/0.2)(1 + (2/(4·0.5))·1.44) = 1.6·2.44; β = 1 + 2·0.16·2 + α + 0.4
     assert test.alpha == pytest.approx(3.904)
@@ -49,7 +49,7 @@ def test_formulas_give_what_they_give_by_hand() -> None:
     assert test.bound == pytest.approx((18.99 / 1.012 * 0.25 / (4.0 + 4.0)) ** (1.0 / 3.0))
 
 
-def test_formula_of_the_largest_gain_is_one(paper: SmallGain) -> None:
+def test_each_formula_is_one_at_its_largest_gain(paper: SmallGain) -> None:
     (reference,) = references(scenario.load("diamond"))
     for name, value in (
         ("product", paper.k_x_product),

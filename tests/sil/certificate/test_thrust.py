@@ -23,7 +23,7 @@ def test_thrusts_add_up_to_the_wrench() -> None:
     np.testing.assert_allclose(np.column_stack([port + stbd, 0.25 * (port - stbd)]), tau)
 
 
-def test_turn_to_port_is_the_starboard_propellers() -> None:
+def test_turn_to_port_is_limited_by_the_starboard_propeller() -> None:
     found = need(np.array([[2.0, 0.0], [2.0, -0.3]]), 2.0, 2.0)
     assert (found.side, found.direction, found.at_s) == ("stbd", "forward", 4.0)
     assert found.margin == pytest.approx(0.2) and found.given
@@ -51,9 +51,9 @@ def test_weaker_propeller_is_nearer_to_its_limit() -> None:
         assert found.margin == pytest.approx(1.0 - 0.9 / (0.6 * 2.0))
 
 
-def test_slot_that_needs_a_push_abeam_is_not_given_it() -> None:
+def test_slot_that_needs_a_force_abeam_is_not_given() -> None:
     assert not need(np.array([[1.0, 0.0]]), 2.0, 2.0, sway_N=0.1).given
 
 
-def test_slot_at_rest_leaves_everything() -> None:
+def test_slot_at_rest_leaves_all_thrust() -> None:
     assert need(np.array([[0.0, 0.0]]), 2.0, 1.0).margin == 1.0

@@ -53,7 +53,7 @@ def test_boats_that_keep_their_slots_are_certified(straight: Certificate) -> Non
         ({"steady": False, "limited": True}, "a propeller at its limit"),
     ],
 )
-def test_the_verdict_says_what_is_wrong(
+def test_the_verdict_names_the_fault(
     straight: Certificate, changes: dict[str, Any], said: str
 ) -> None:
     wrong = with_loop(straight, **changes)
@@ -69,7 +69,7 @@ def test_the_verdict_says_what_is_wrong(
         pytest.param("square", ["formation.boats=2", "fault=[]"], marks=pytest.mark.nightly),
     ],
 )
-def test_plans_with_straight_legs_in_a_current_are_certified_and_its_unknown_part_is_told(
+def test_straight_legs_in_a_current_are_certified_and_its_unmeasured_part_reported(
     name: str, overrides: list[str]
 ) -> None:
     found = quick_certificate(name, overrides, None)
@@ -88,7 +88,9 @@ def test_current_that_is_not_measured_may_move_a_boat_within_its_slot(
     assert f"moves a boat by at most {off_m:g} m" in verdict.sentence(found)
 
 
-def test_boat_that_stays_beside_its_slot_is_certified_and_told(straight: Certificate) -> None:
+def test_boat_that_stays_beside_its_slot_is_certified_and_its_offset_reported(
+    straight: Certificate,
+) -> None:
     beside = with_loop(straight, error=[0.3, 0.4, 0.0])
     assert verdict.holds(beside)
     assert "0.50 m off the slot permanently" in verdict.sentence(beside)
@@ -109,7 +111,7 @@ def test_boat_that_stays_far_beside_its_slot_is_not_certified(
 
 
 @pytest.mark.parametrize(("look_ahead_m", "said"), [(1.0, "up to 1.5 m"), (0.0, "as they are")])
-def test_which_errors_stay_behind_a_leader_at_rest_is_said(
+def test_permanent_errors_behind_a_leader_at_rest_are_named(
     straight: Certificate, look_ahead_m: float, said: str
 ) -> None:
     neutral = with_loop(straight, neutral=1)
@@ -120,7 +122,7 @@ def test_which_errors_stay_behind_a_leader_at_rest_is_said(
     assert sentence.endswith(said) and "any law" not in sentence
 
 
-def test_propellers_come_before_all_else(straight: Certificate) -> None:
+def test_weak_propellers_are_reported_before_other_faults(straight: Certificate) -> None:
     (leg,) = straight.legs
     weak = replace(leg.cases[0].thrust, margin=-0.25, side="stbd", direction="reverse")
     cases = [replace(with_loop(straight, decay=-1.0).legs[0].cases[0], thrust=weak)]
@@ -133,5 +135,5 @@ def test_propellers_come_before_all_else(straight: Certificate) -> None:
 @pytest.mark.parametrize(
     ("boats", "words"), [([3], "boat 3"), ([2, 3, 4], "boats 2–4"), ([1, 3], "boats 1, 3")]
 )
-def test_boats_are_named_shortly(boats: list[int], words: str) -> None:
+def test_boats_are_named_briefly(boats: list[int], words: str) -> None:
     assert verdict.name(boats) == words
