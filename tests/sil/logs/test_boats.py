@@ -112,7 +112,7 @@ def converted(*arguments: Path | str) -> dict[str, list[tuple[int, Any]]]:
     return messages_of(out)
 
 
-def test_a_boat_is_where_it_said_that_it_is(
+def test_a_boat_is_at_the_position_that_it_reported(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "[out].mcap"
@@ -139,7 +139,7 @@ def test_a_vessel_with_another_origin_is_in_the_frame_of_the_first(
         assert (state.x_m, state.y_m) == pytest.approx((100.0 + north_m(step), 52.0), abs=0.02)
 
 
-def test_a_folder_that_cannot_be_written_to_is_told_before_the_conversion(
+def test_an_unwritable_folder_is_reported_before_the_conversion(
     log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(boats, "convert", lambda *_: pytest.fail("converted in vain"))
@@ -189,7 +189,7 @@ def test_a_candump_log_alone_is_named_after_its_bus(tmp_path: Path) -> None:
     assert set(topics) == {"/can3/esc/0", "/can3/esc/1"}
 
 
-def test_escs_that_a_boat_tells_are_told_without_a_candump_log(tmp_path: Path) -> None:
+def test_without_a_candump_log_escs_are_read_from_the_boats_telemetry(tmp_path: Path) -> None:
     d, pen = dialect(), Pen()
     beat = d.MAVLink_heartbeat_message(11, 0, 0x81, 4, 4, 3)
     none = [0, 0]
@@ -210,7 +210,7 @@ def test_escs_that_a_boat_tells_are_told_without_a_candump_log(tmp_path: Path) -
     assert math.isnan(stbd.temperature_degC)
 
 
-def test_several_boats_logs_are_one_file_and_each_speaks_for_itself(tmp_path: Path) -> None:
+def test_several_boats_logs_become_one_file_with_each_boats_own_messages(tmp_path: Path) -> None:
     folders = [tmp_path / "two", tmp_path / "three"]
     for folder, boat in zip(folders, (2, 3), strict=True):
         folder.mkdir()
@@ -288,7 +288,7 @@ def test_a_candump_log_that_is_cut_off_loses_its_last_line_only(
         ("folder/readme.txt", b"nothing", "neither the folder of a run nor one with logs"),
     ],
 )
-def test_a_file_that_is_not_a_log_is_told_in_one_line_and_nothing_is_written(
+def test_a_file_that_is_not_a_log_is_reported_in_one_line_and_nothing_is_written(
     name: str, content: bytes | None, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / name
@@ -301,19 +301,19 @@ def test_a_file_that_is_not_a_log_is_told_in_one_line_and_nothing_is_written(
     assert not any(".mcap" in path.name for path in tmp_path.iterdir())
 
 
-def test_a_folder_that_is_not_there_is_told(
+def test_a_missing_folder_is_reported(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["convert", str(log), "--out", str(tmp_path / "nowhere" / "out.mcap")]) == 2
     assert_told_in_one_line("nowhere: no such folder", capsys)
 
 
-def test_a_boats_folder_of_a_live_run_is_looked_into(log: Path, tmp_path: Path) -> None:
+def test_the_log_folder_of_a_live_boat_is_converted(log: Path, tmp_path: Path) -> None:
     assert main(["convert", str(log.parent), "--out", str(tmp_path / "out.mcap")]) == 0
     assert (tmp_path / "out.mcap").stat().st_size > 0
 
 
-def test_a_full_disk_is_told_and_leaves_nothing(
+def test_a_full_disk_is_reported_and_leaves_nothing(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["convert", str(log), "--out", "/dev/full"]) == 2
@@ -326,7 +326,7 @@ def test_a_full_disk_is_told_and_leaves_nothing(
         st.tuples(st.integers(0, 9_000), st.integers(0, 40), st.binary(max_size=60)), max_size=4
     )
 )
-def test_no_damage_is_more_than_what_it_hits(
+def test_damage_loses_only_the_states_that_it_hits(
     cuts: list[tuple[int, int, bytes]], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     folder = tmp_path_factory.mktemp("damaged")

@@ -43,7 +43,7 @@ def test_every_panel_has_its_place_and_its_settings() -> None:
     assert kinds == {"map", "3D", "Plot", "StateTransitions", "RosOut", "Tab"}
 
 
-def test_every_path_is_a_number_or_a_word_in_the_log(log: Path) -> None:
+def test_every_path_leads_to_a_number_or_a_string_in_the_log(log: Path) -> None:
     topics = messages_of(log)
     paths = re.findall(r'"value": "(/[^"]*)"', LAYOUT.read_text())
     assert len(paths) == 24
@@ -65,7 +65,7 @@ def test_every_topic_that_is_shown_is_in_the_log_with_the_schema_that_its_panel_
         assert schemas[panels_of[name]["topicToRender"]] == "foxglove.Log"
 
 
-def test_everything_that_is_drawn_moves_with_a_frame_that_is_told(log: Path) -> None:
+def test_every_drawn_entity_belongs_to_a_frame_in_the_log(log: Path) -> None:
     topics = messages_of(log)
     frames = {one.child_frame_id for _, message in topics["/tf"] for one in message.transforms}
     for topic in some(topic for topic in topics if topic.endswith("/scene")):

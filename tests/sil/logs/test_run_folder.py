@@ -92,7 +92,7 @@ def test_transforms_have_east_north_up_and_the_bow_ahead(folder: Path) -> None:
     assert slots == 121
 
 
-def test_the_log_says_when_a_boat_lost_its_leader_and_when_it_had_it_again(folder: Path) -> None:
+def test_the_log_has_the_loss_and_the_return_of_a_leader(folder: Path) -> None:
     lines = messages_of(folder / NAME)["/boat1/log"]
     assert {line.name for _, line in lines} == {"boat1"}
     changes = {line.message: seconds(t_ns) for t_ns, line in lines if "→" in line.message}
@@ -105,7 +105,7 @@ def test_the_log_says_when_a_boat_lost_its_leader_and_when_it_had_it_again(folde
     assert ended - changes["FORMATION → COAST"] == pytest.approx(spent["COAST"], abs=0.02)
 
 
-def test_escs_and_ages_are_what_went_over_the_wires(folder: Path) -> None:
+def test_escs_and_ages_are_those_sent_on_the_wires(folder: Path) -> None:
     topics = messages_of(folder / NAME)
     for index in (0, 1):
         escs = topics[f"/boat2/esc/{index}"]
@@ -119,14 +119,18 @@ def test_escs_and_ages_are_what_went_over_the_wires(folder: Path) -> None:
     assert {status.state for _, status in topics["/boat1/status"]} >= {"FORMATION", "COAST"}
 
 
-def test_a_run_without_a_recording_tells_the_truth_alone(folder: Path, tmp_path: Path) -> None:
+def test_without_a_recording_only_topics_of_the_truth_are_written(
+    folder: Path, tmp_path: Path
+) -> None:
     shutil.copy(folder / "trace.npz", tmp_path)
     assert flotilla(["convert", str(tmp_path), "--out", str(tmp_path / "out.mcap")]) == 0
     kinds = {topic.rpartition("/")[2] for topic in schemas_of(tmp_path / "out.mcap")}
     assert kinds == {"fix", "scene", "state", "law", "tf"}
 
 
-def test_the_converter_makes_the_same_file_of_the_folder(folder: Path, tmp_path: Path) -> None:
+def test_converting_the_folder_again_gives_as_many_messages_of_each_topic(
+    folder: Path, tmp_path: Path
+) -> None:
     out = tmp_path / "again.mcap"
     assert flotilla(["convert", str(folder), "--out", str(out)]) == 0
     again, before = messages_of(out), messages_of(folder / NAME)
@@ -135,14 +139,14 @@ def test_the_converter_makes_the_same_file_of_the_folder(folder: Path, tmp_path:
     }
 
 
-def test_a_run_that_wants_no_mcap_leaves_none_of_an_earlier_one(tmp_path: Path) -> None:
+def test_a_run_without_mcap_removes_that_of_an_earlier_one(tmp_path: Path) -> None:
     (tmp_path / NAME).write_bytes(b"old")
     assert main(["run", "turning", "--set", "duration_s=1", "--out", str(tmp_path)]) == 0
     assert not (tmp_path / NAME).exists()
 
 
 @pytest.mark.parametrize("name", ["trace.npz", "recording.bin"])
-def test_a_damaged_run_is_told_and_leaves_nothing(
+def test_a_damaged_run_is_reported_and_leaves_nothing(
     name: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for kept in ("trace.npz", "recording.bin"):
@@ -154,9 +158,7 @@ def test_a_damaged_run_is_told_and_leaves_nothing(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["recording.bin", "trace.npz"]
 
 
-def test_a_live_runs_log_has_nothing_of_an_earlier_runs_recording(
-    folder: Path, tmp_path: Path
-) -> None:
+def test_a_live_runs_log_ignores_an_earlier_runs_recording(folder: Path, tmp_path: Path) -> None:
     shutil.copytree(folder, tmp_path / "live")
     summary = json.loads((folder / "summary.json").read_text())
     (tmp_path / "live" / "summary.json").write_text(json.dumps({**summary, "digest": None}))
@@ -166,6 +168,8 @@ def test_a_live_runs_log_has_nothing_of_an_earlier_runs_recording(
     )
 
 
-def test_a_recording_alone_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_recording_without_its_folder_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert flotilla(["convert", str(folder / "recording.bin")]) == 2
     assert_told_in_one_line("convert its folder", capsys)

@@ -67,7 +67,7 @@ def test_messages_of_pymavlink_to_its_multicast_group_are_heard() -> None:
     mouth.close()
 
 
-def test_pymavlink_hears_what_is_said_to_the_group() -> None:
+def test_pymavlink_receives_messages_sent_to_the_group() -> None:
     port = free_port()
     try:
         station = mavutil.mavlink_connection(f"mcast:239.255.145.62:{port}")
@@ -87,7 +87,7 @@ def test_pymavlink_hears_what_is_said_to_the_group() -> None:
         station.close()
 
 
-def test_a_server_is_heard_tried_again_and_told_nothing() -> None:
+def test_a_server_is_heard_and_reconnected_and_sent_nothing() -> None:
     port = free_port()
 
     async def run() -> list[bytes]:
@@ -112,7 +112,7 @@ def test_a_server_is_heard_tried_again_and_told_nothing() -> None:
     assert set(asyncio.run(run())) == {b""}
 
 
-def test_a_server_that_vanishes_without_a_word_is_noticed() -> None:
+def test_a_server_that_vanishes_silently_is_noticed() -> None:
     port = free_port()
     writers: list[asyncio.StreamWriter] = []
 
@@ -172,12 +172,12 @@ def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
         "udpout:127.0.0.1:14550",
     ],
 )
-def test_an_invalid_address_is_told(address: str) -> None:
+def test_an_invalid_address_is_refused(address: str) -> None:
     with pytest.raises(ValueError, match=f'^"{re.escape(address)}": '):
         Listener(address)
 
 
-def test_an_address_that_somebody_else_has_is_told() -> None:
+def test_an_address_in_use_is_refused() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.bind((LOOPBACK, 0))
         port = end.getsockname()[1]

@@ -78,7 +78,7 @@ def test_slots_are_the_leaders_place_and_the_offset_in_either_frame() -> None:
     assert "slot_x_m" not in told[0] and "error_m" not in told[0]
 
 
-def test_what_a_trace_does_not_say_is_told_by_the_boats() -> None:
+def test_ids_leaders_lengths_and_limits_come_from_the_boats() -> None:
     boats = [Boat(7, VIRTUAL_LEADER_SYSTEM, 2.0, (-20.0, 50.0)), Boat(8, 7)]
     told = history.of_trace(trace(), "a run", boats)["vessels"]
     assert [(v["id"], v["leader"], v["length_m"], v["limits_N"]) for v in told] == [
@@ -114,7 +114,7 @@ def test_boats_of_a_scenario_have_its_ids_leaders_hulls_and_limits() -> None:
     assert [boat.leader for boat in history.boats_of(scenario.load("lead"))] == [None, 1, 1, 1]
 
 
-def test_boats_beyond_the_system_ids_are_told_by_their_numbers() -> None:
+def test_boats_beyond_the_system_ids_are_numbered() -> None:
     few = scenario.load("diamond")
     many = few.model_copy(update={"boat": few.boat * 70})
     boats = history.boats_of(many)

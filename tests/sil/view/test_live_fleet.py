@@ -118,7 +118,7 @@ def test_boats_that_have_gone_stay_with_their_age(
 
 
 @pytest.mark.parametrize("address", ["nowhere", "mcast:127.0.0.1:14550", "udpout:1"])
-def test_an_address_to_repeat_to_that_is_none_is_told(
+def test_an_invalid_address_for_mavlink_is_reported(
     address: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     live = ["live", "diamond", "--bus", "mcast:5", "--out", str(tmp_path)]

@@ -108,7 +108,9 @@ def test_vessel_that_is_silent_is_greyed_and_one_that_is_gone_has_no_card(
     assert browser.run("return document.querySelectorAll('.card').length") == 0
 
 
-def test_line_on_top_tells_how_the_fleet_is(browser: Browser, four: Feeder) -> None:
+def test_line_on_top_counts_boats_in_their_slots_and_in_trouble(
+    browser: Browser, four: Feeder
+) -> None:
     far = {"error_m": 9.5, "in_slot": 0.0}
     lost = {"state": "COAST", "held": ["leader's state is not fresh"], "in_slot": 0.0}
     near = {"error_m": 0.02, "in_slot": 1.0}
@@ -193,7 +195,7 @@ def test_a_mode_that_the_page_does_not_know_is_named(browser: Browser, four: Fee
     assert word(browser, "Boat 1", ".held") == why
 
 
-def test_source_that_is_not_heard_is_told_in_red(browser: Browser, four: Feeder) -> None:
+def test_silent_source_is_reported_in_red(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     assert browser.run("return document.getElementById('alarm').hidden")
     told = "nothing heard for 3 s: check that the boats have power"
@@ -235,9 +237,7 @@ def test_events_are_listed_the_newest_first(browser: Browser, four: Feeder) -> N
     browser.until("return flotilla.source.events.length === 3")
 
 
-def test_a_paused_page_is_dimmed_and_goes_on_to_tell_of_troubles(
-    browser: Browser, four: Feeder
-) -> None:
+def test_a_paused_page_is_dimmed_and_still_reports_troubles(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     browser.press(" ")
     status = "document.getElementById('status').textContent"
@@ -272,7 +272,7 @@ def test_a_fault_is_read_out_and_in_the_title(browser: Browser, four: Feeder) ->
     browser.until("return document.title === 'Flotilla'")
 
 
-def test_two_clicks_tell_the_distance_between_them(browser: Browser, four: Feeder) -> None:
+def test_two_clicks_measure_the_distance_between_them(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     browser.run("document.getElementById('nearer').click()")
     browser.run("document.getElementById('measure').click()")
@@ -305,7 +305,7 @@ def test_map_is_moved_and_measured_by_keys(browser: Browser, four: Feeder) -> No
     assert far == pytest.approx(120.0 / scale, rel=0.01) and words.endswith("bearing 090°")
 
 
-def test_page_says_what_is_heard(browser: Browser, four: Feeder) -> None:
+def test_page_shows_the_source_its_rate_and_its_damage(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     heard = browser.run("return document.getElementById('heard').textContent")
     assert heard == "mcast: · 12.3 kB/s · 5 vessels · 7 B damaged · 3 messages ignored"

@@ -92,7 +92,7 @@ def test_between_samples_boats_are_between_also_where_the_heading_wraps(
     assert math.cos(shown["psi_rad"] - psi) == pytest.approx(1.0, abs=1e-6)
 
 
-def test_card_says_the_state_of_that_time_and_why(browser: Browser, tmp_path: Path) -> None:
+def test_card_has_the_state_at_that_time_and_its_reason(browser: Browser, tmp_path: Path) -> None:
     replayed(browser, tmp_path)
     browser.run(f"{CARD} card.querySelector('button').click()", "Boat 1")
     words = """return ['.state', '.held', '.said', '.follows'].map((place) =>
@@ -107,7 +107,7 @@ def test_card_says_the_state_of_that_time_and_why(browser: Browser, tmp_path: Pa
         browser.until(f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows leader"]))
 
 
-def test_card_has_what_the_escs_said(browser: Browser, tmp_path: Path) -> None:
+def test_card_has_the_escs_telemetry(browser: Browser, tmp_path: Path) -> None:
     told = history.of_trace(trace(), "a run", [Boat(1, 100), Boat(2, 1)])
     samples = numbers(told["t_s"]).size
     rpm = {"port_rpm": np.linspace(0.0, -1000.0, samples), "stbd_voltage_V": np.full(samples, 23.5)}

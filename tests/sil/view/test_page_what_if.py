@@ -116,7 +116,7 @@ def test_each_lost_condition_leads_where_the_firmware_goes(panel: Browser, name:
     assert ("propellers may turn" in said) == drives
 
 
-def test_choice_of_the_operator_decides_what_a_lost_leader_does(panel: Browser) -> None:
+def test_fs_leader_act_decides_the_reaction_to_a_lost_leader(panel: Browser) -> None:
     script = """const select = document.getElementById('FS_LEADER_ACT');
       select.value = arguments[0]; select.dispatchEvent(new Event('change'))"""
     panel.run(script, "0")

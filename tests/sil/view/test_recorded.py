@@ -76,7 +76,7 @@ def test_slots_are_where_the_scenario_puts_them(lost: Path) -> None:
     assert vessels[1]["leader"] == 100 and vessels[1]["limits_N"] == [-50.0, 50.0]
 
 
-def test_a_history_has_what_boats_said_of_themselves_from_the_release_on(lost: Path) -> None:
+def test_a_history_has_the_boats_telemetry_from_the_release_on(lost: Path) -> None:
     vessel = by_id(history_of_run(lost))[1]
     states = [state for _, state in vessel["states"]]
     assert states == ["FORMATION", "COAST", "HOLD"]
@@ -90,7 +90,7 @@ def test_a_history_has_what_boats_said_of_themselves_from_the_release_on(lost: P
     assert ages[-1] > 10.0 and numbers(vessel["battery_V"])[-1] == 24.0
 
 
-def test_a_history_has_what_the_escs_said(lost: Path) -> None:
+def test_a_history_has_the_escs_telemetry(lost: Path) -> None:
     history = history_of_run(lost)
     for boat in some(history["vessels"][1:]):
         for side in ("port", "stbd"):
@@ -123,7 +123,7 @@ def test_the_recording_of_another_run_is_not_that_of_a_live_one(lost: Path, tmp_
 
 
 @pytest.mark.parametrize("damage", ["nothing", "summary.json", "trace.npz", "recording.bin"])
-def test_a_folder_that_is_no_runs_is_told_in_one_line(
+def test_a_folder_without_a_run_is_reported_in_one_line(
     damage: str, lost: Path, tmp_path: Path
 ) -> None:
     folder = tmp_path / "run"

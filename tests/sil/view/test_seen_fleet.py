@@ -60,7 +60,7 @@ def test_real_boats_are_where_they_are_and_their_slots_go_with_their_leaders() -
     assert view.ear.damaged == 0
 
 
-def test_the_error_that_a_boat_tells_is_the_distance_from_its_slot_on_the_page() -> None:
+def test_a_boats_reported_error_is_its_distance_from_its_slot_on_the_page() -> None:
     view, told = Listening(), list[Told]()
 
     def look(k: int, chunks: list[bytes], _: Array) -> None:
@@ -100,7 +100,7 @@ def boat(system: int, x: float = 0.0) -> bytes:
     return said(system, BEAT, origin(*ORIGIN), attitude(0.5), local(x, 2.0, 1.0, 0.0))
 
 
-def test_all_that_a_boat_tells_is_on_the_page() -> None:
+def test_all_values_that_a_boat_sends_are_on_the_page() -> None:
     view = Listening()
     values = {"E_X": 3.0, "E_Y": -4.0, "LEADER": 9.0, "LEAD_AGE": 0.25, "COND": ALL, "COND2": ALL2}
     values |= {"T_PORT": 5.0, "T_STBD": -2.0, "T_MAX": 20.0, "T_MIN": -15.0}
@@ -191,7 +191,7 @@ def test_slow_telemetry_is_known_between_its_messages_and_its_end_is_a_trouble()
             assert not any(known) and vessel["conditions_lost_s"] == t_s - 60
 
 
-def test_a_mode_that_is_not_known_is_told_while_its_heartbeat_is_heard() -> None:
+def test_an_unknown_mode_is_reported_while_its_heartbeat_is_heard() -> None:
     view = Listening()
     odd = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_GENERIC, 137, 77, 4, 3)
     view.hear(said(1, odd) + boat(2), 0.0)
@@ -204,7 +204,7 @@ def test_a_mode_that_is_not_known_is_told_while_its_heartbeat_is_heard() -> None
     assert view.by_id(9.0)[1]["unknown_mode"] is None
 
 
-def test_a_silent_boat_stays_with_its_age_and_what_it_said_last_other_vessels_are_dropped() -> None:
+def test_a_silent_boat_stays_with_its_age_and_last_values_and_others_are_dropped() -> None:
     view = Listening()
     view.hear(boat(2, 7.0) + said(2, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
     view.hear(said(100, VIRTUAL, local(1.0, 1.0)), 0.0)
@@ -224,7 +224,7 @@ def test_the_reason_that_holds_a_boat_is_shown_in_its_words() -> None:
     assert (vessel["state"], vessel["held"]) == ("COAST", ("leader's state is not fresh",))
 
 
-def test_every_text_is_told_with_its_time_and_severity_and_a_repeated_one_once() -> None:
+def test_every_text_has_its_time_and_severity_and_a_repeated_one_comes_once() -> None:
     view = Listening()
     texts = [(2, b"first"), (6, b"second"), (6, b"second")]
     packed = [mavlink.MAVLink_statustext_message(severity, text) for severity, text in texts]
@@ -240,7 +240,7 @@ def test_every_text_is_told_with_its_time_and_severity_and_a_repeated_one_once()
     assert len(view.fleet.texts()) == 50 and view.fleet.texts()[-1][-1] == "99"
 
 
-def test_a_long_text_is_told_whole_and_one_that_lost_a_piece_is_not() -> None:
+def test_a_long_text_is_shown_whole_and_one_that_lost_a_piece_is_not_shown() -> None:
     words = b"a sentence that is longer than fifty characters and goes on in a second piece"
     pieces = [words[:50], words[50:]]
     view = Listening()
@@ -251,7 +251,7 @@ def test_a_long_text_is_told_whole_and_one_that_lost_a_piece_is_not() -> None:
     assert view.by_id(1.0)[1]["text"] == words.decode()
 
 
-def test_vessels_of_other_kinds_are_told_apart_and_stations_are_none() -> None:
+def test_vessels_of_other_kinds_are_distinguished_and_stations_are_ignored() -> None:
     view = Listening()
     rover = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 129, 4, 4, 3)
     view.hear(boat(1) + said(100, VIRTUAL) + said(7, rover) + said(255, heartbeat(6)), 0.0)
@@ -262,7 +262,7 @@ def test_vessels_of_other_kinds_are_told_apart_and_stations_are_none() -> None:
     assert view.fleet.ignored == 6
 
 
-def test_a_boat_that_calls_itself_ardupilots_is_told_by_its_conditions() -> None:
+def test_a_boat_with_ardupilots_identity_is_recognised_by_its_conditions() -> None:
     view = Listening()
     rover = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 129, 4, 4, 3)
     view.hear(said(7, rover, value("COND", ALL), rover), 0.0)
@@ -302,7 +302,7 @@ def test_a_boats_navigation_unit_with_its_system_id_is_not_the_boat() -> None:
     assert (vessel["kind"], vessel["x_m"], vessel["psi_rad"]) == ("boat", 3.0, 0.5)
 
 
-def test_a_companion_tells_the_state_beside_another_autopilot() -> None:
+def test_beside_another_autopilot_the_state_is_the_companions() -> None:
     view = Listening()
     rover = mavlink.MAVLink_heartbeat_message(
         11, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 129, 15, 4, 3
@@ -343,7 +343,7 @@ def test_boats_of_other_origins_are_in_one_frame() -> None:
     assert (vessel["x_m"], vessel["y_m"]) == pytest.approx((800.0, -400.0), abs=0.05)
 
 
-def test_where_nobody_tells_an_origin_the_first_place_on_the_globe_is_one() -> None:
+def test_without_an_origin_the_first_global_position_becomes_the_origin() -> None:
     view = Listening()
     here = mavlink.MAVLink_global_position_int_message(0, *ORIGIN, 0, 100, 0, 0, 65535)
     there = mavlink.MAVLink_global_position_int_message(
@@ -356,7 +356,7 @@ def test_where_nobody_tells_an_origin_the_first_place_on_the_globe_is_one() -> N
     assert vessels[2]["x_m"] == pytest.approx(10.0, abs=0.05)
 
 
-def test_a_boat_that_was_started_again_has_told_nothing_of_before() -> None:
+def test_a_restarted_boat_keeps_no_values_from_before() -> None:
     view = Listening()
     before = said(1, BEAT, origin(*ORIGIN), attitude(0.5, 90_000), local(1.0, 1.0), slot(5.0, 5.0))
     view.hear(before + said(1, value("E_X", 3.0), value("E_Y", 4.0)), 0.0)
@@ -381,7 +381,7 @@ def test_a_late_message_takes_no_boat_off_the_map_and_clears_no_trouble() -> Non
         assert vessel["x_m"] == 7.0 and vessel["held"] and vessel["senders"] is None
 
 
-def test_two_boats_with_one_id_are_told_and_stay_on_the_map() -> None:
+def test_two_boats_with_one_id_are_reported_and_stay_on_the_map() -> None:
     view = Listening()
     view.hear(said(1, BEAT, origin(*ORIGIN), local(7.0, 2.0)), 0.0)
     for step in range(320):

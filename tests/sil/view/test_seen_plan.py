@@ -104,7 +104,7 @@ def test_a_plan_that_is_not_accepted_changes_nothing(said: list[tuple[Said, int]
     assert plan_of(heard([*UPLOAD, *said])) == way()
 
 
-def test_a_plan_that_the_boat_tells_is_drawn() -> None:
+def test_a_plan_downloaded_from_the_boat_is_drawn() -> None:
     told = [item(seq, place, target=STATION) for seq, place in enumerate(WAY)]
     said = [(count(3, target=STATION), BOAT), *((one, BOAT) for one in told)]
     assert plan_of(heard(said)) == way() and plan_of(heard(said[:-1])) == []
@@ -152,7 +152,7 @@ def test_a_circle_without_a_radius_is_left_out(radius_m: float, tmp_path: Path) 
     assert page_with(history_of_tlog(path), "a boat")
 
 
-def test_the_item_ahead_is_told() -> None:
+def test_the_item_ahead_is_reported() -> None:
     current = mavlink.MAVLink_mission_current_message(2)
     (vessel,) = heard([*UPLOAD, (current, BOAT)]).vessels(1.0)
     assert vessel["item"] == 2
@@ -175,7 +175,7 @@ def test_absurd_numbers_take_no_memory() -> None:
     assert not plans._drafts
 
 
-def test_a_tlog_tells_plans_over_time(tmp_path: Path) -> None:
+def test_a_tlogs_history_has_plans_over_time(tmp_path: Path) -> None:
     data, t_us = b"", 1_700_000_000_000_000
     current = mavlink.MAVLink_mission_current_message(1)
     for message, system in [(HEARTBEAT, BOAT), (ORIGIN_TOLD, BOAT), *UPLOAD, (current, BOAT)]:

@@ -27,7 +27,7 @@ def heard(table: SeenTable, now_s: float, *frames: bytes) -> str:
     return table.line(now_s)
 
 
-def test_without_a_table_there_is_nothing_to_say() -> None:
+def test_without_a_table_the_line_is_empty() -> None:
     assert SeenTable().line(0.0) == ""
     assert heard(SeenTable(), 0.0, beacon(1, 0, FIT)) == ""
 
@@ -48,7 +48,7 @@ def test_the_leader_is_named_and_so_is_who_has_an_older_table() -> None:
     assert table.line(9.0) == ""
 
 
-def test_a_change_that_is_to_come_is_told_with_its_time() -> None:
+def test_a_pending_table_is_reported_with_its_time() -> None:
     table, beacons = SeenTable(), [beacon(k, 6, FIT | LEADS * (k == 1)) for k in (1, 2)]
     message = table_message(6, MEMBERS, in_s=4.0)
     wanted = "table 6 comes into force in 4 s, boat 1 leads"

@@ -84,7 +84,7 @@ def fleet_of(count: int) -> list[bytes]:
     return [said(i, BEAT, origin(1, 2), attitude(0.1), local(float(i), 0.0)) for i in ids]
 
 
-def test_a_page_is_sent_ten_frames_a_second_of_what_is_heard() -> None:
+def test_a_page_is_sent_at_most_ten_frames_a_second() -> None:
     port = free_port()
 
     async def use(url: str) -> list[float]:
@@ -181,7 +181,7 @@ def test_where_a_port_is_taken_the_next_free_one_is() -> None:
         assert port < int(url.rstrip("/").rpartition(":")[2]) < port + 20
 
 
-def test_over_source_is_a_replay_of_what_was_heard() -> None:
+def test_after_the_source_ends_the_page_is_a_replay() -> None:
     port = free_port()
 
     async def run() -> tuple[str, dict[str, Any]]:
@@ -210,7 +210,7 @@ def test_over_source_is_a_replay_of_what_was_heard() -> None:
     assert '<body class="replay">' in text
 
 
-def test_texts_are_told_again_to_a_page_that_is_opened_later() -> None:
+def test_texts_are_sent_again_to_a_page_that_is_opened_later() -> None:
     port = free_port()
     text = said(1, mavlink.MAVLink_statustext_message(2, b"low battery"))
 
@@ -222,7 +222,7 @@ def test_texts_are_told_again_to_a_page_that_is_opened_later() -> None:
     assert served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use) == 2 * [[1, 1, 2, "low battery"]]
 
 
-def test_page_that_comes_back_after_the_end_is_told_so() -> None:
+def test_page_that_reconnects_after_the_end_is_sent_the_end() -> None:
     async def run() -> str | bytes | None:
         server = Server(Live(f"udpin:{LOOPBACK}:{free_port()}", 1.0), (LOOPBACK, 0))
         running = asyncio.ensure_future(server.run())
@@ -240,7 +240,7 @@ def test_page_that_comes_back_after_the_end_is_told_so() -> None:
     assert asyncio.run(asyncio.wait_for(run(), _PATIENCE_S)) == '{"over":true}'
 
 
-def test_the_end_is_told_to_a_page_that_is_still_sent_a_frame() -> None:
+def test_the_end_is_sent_to_a_page_that_is_still_receiving_a_frame() -> None:
     class Slow(_Frames):
         def __init__(self) -> None:
             self.initialize(set(), lambda: False)
@@ -260,7 +260,7 @@ def test_the_end_is_told_to_a_page_that_is_still_sent_a_frame() -> None:
     assert asyncio.run(run()) == ["first", '{"over":true}']
 
 
-def test_server_that_is_not_there_is_told_with_what_to_check() -> None:
+def test_missing_server_is_reported_with_a_remedy() -> None:
     async def use(url: str) -> dict[str, Any]:
         return await frame_in_which(url, lambda frame: frame["heard"]["alarm"])
 
@@ -268,7 +268,7 @@ def test_server_that_is_not_there_is_told_with_what_to_check() -> None:
     assert "nothing listens there; check that the server runs" in frame["heard"]["alarm"]
 
 
-def test_silence_is_told_after_three_seconds() -> None:
+def test_silence_is_reported_after_three_seconds() -> None:
     async def use(url: str) -> dict[str, Any]:
         return await frame_in_which(url, lambda frame: frame["heard"]["alarm"])
 

@@ -9,11 +9,11 @@ BITS = {c["name"]: 1 << c["bit"] for c in flotilla.supervisor_conditions()}
 ALL = sum(BITS.values())
 
 
-def test_a_boat_that_may_sail_is_held_by_nothing() -> None:
+def test_a_boat_that_may_sail_has_no_unmet_condition() -> None:
     assert held_by(ALL, "HOLD") == held_by(0, "FORMATION") == ()
 
 
-def test_what_holds_a_boat_is_what_formation_needs_in_the_boats_own_words() -> None:
+def test_unmet_conditions_of_formation_are_listed_in_the_boats_words() -> None:
     leader = ALL & ~BITS["leader_fresh"]
     assert held_by(leader, "COAST") == ("leader's state is not fresh",)
     sticks = ALL & ~BITS["sticks_fresh"]
@@ -22,11 +22,11 @@ def test_what_holds_a_boat_is_what_formation_needs_in_the_boats_own_words() -> N
     assert held_by(saved, "HOLD") == () and held_by(saved, "DISARMED")
 
 
-def test_what_keeps_a_boat_from_arming_is_told_apart() -> None:
+def test_conditions_that_prevent_arming_are_listed_separately() -> None:
     assert keep_from_arming(ALL) == ()
     for name, kept in (("escs_online", True), ("parameters_saved", True), ("own_fresh", False)):
         assert bool(keep_from_arming(ALL & ~BITS[name])) == kept
 
 
-def test_numbers_of_conditions_that_there_are_not_say_nothing() -> None:
+def test_unknown_condition_bits_are_ignored() -> None:
     assert held_by(ALL | 1 << 40, "HOLD") == ()

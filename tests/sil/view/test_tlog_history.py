@@ -86,7 +86,7 @@ def test_boats_are_played_back_where_they_were(sailed: tuple[Path, Array]) -> No
     assert vessels[100]["kind"] == "leader"
 
 
-def test_states_and_what_held_them_are_played_back(sailed: tuple[Path, Array]) -> None:
+def test_states_and_unmet_conditions_are_played_back(sailed: tuple[Path, Array]) -> None:
     vessel = by_id(history_of_tlog(sailed[0]))[1]
     assert [state for _, state in vessel["states"]] == ["FORMATION", "COAST", "HOLD"]
     assert 15.5 < vessel["states"][1][0] < 17.0
@@ -108,7 +108,7 @@ def test_esc_data_is_played_back_and_missing_data_has_no_column(
         assert f"{side}_temperature_C" not in vessels[2] and f"{side}_rpm" not in vessels[100]
 
 
-def test_damage_costs_no_more_than_what_is_damaged(
+def test_damage_loses_only_the_messages_that_it_hits(
     sailed: tuple[Path, Array], tmp_path: Path
 ) -> None:
     rng, content = random.Random(4), bytearray(sailed[0].read_bytes())
@@ -208,7 +208,7 @@ def test_texts_are_played_back_with_their_severities(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"no log at all", bytes(1000), b"\xfd" * 1000])
-def test_a_file_that_is_no_tlog_is_told(content: bytes, tmp_path: Path) -> None:
+def test_a_file_that_is_no_tlog_is_refused(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "x.tlog"
     path.write_bytes(content)
     with pytest.raises(ValueError, match="is not a tlog"):

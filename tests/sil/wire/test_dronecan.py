@@ -154,7 +154,9 @@ def test_a_recorded_message_has_its_values_and_encodes_to_the_same_bytes(
 
 
 @pytest.mark.parametrize("case", VECTORS["damaged"], ids=name_of)
-def test_a_damaged_sequence_delivers_what_the_vectors_say(case: dict[str, Any]) -> None:
+def test_a_damaged_sequence_delivers_as_many_transfers_as_the_vectors_specify(
+    case: dict[str, Any],
+) -> None:
     assert len(receive(frames_of(case))) == case["transfers_delivered"]
 
 
@@ -205,7 +207,7 @@ def test_a_transfer_cut_by_more_than_two_seconds_is_lost_and_the_next_one_is_hea
     assert len(receive(frames, step_us=100_000)) == 1
 
 
-def test_two_sources_of_one_type_are_told_apart() -> None:
+def test_two_sources_of_one_type_are_kept_separate() -> None:
     other = [(i & ~0x7F | 22, d) for i, d in esc_frames(3)]
     mixed = [f for pair in zip(esc_frames(9), other, strict=True) for f in pair]
     assert len(receive(mixed)) == 2
@@ -327,7 +329,7 @@ IDS = st.integers(0, 31)
 
 
 @given(st.lists(st.integers(-8192, 8191), min_size=1, max_size=20), SOURCES, IDS)
-def test_any_raw_command_is_what_pypi_dronecan_says(
+def test_any_raw_command_is_encoded_as_by_pypi_dronecan(
     cmd: list[int], source: int, transfer_id: int
 ) -> None:
     message = ours.RawCommand(tuple(cmd))
@@ -338,7 +340,7 @@ def test_any_raw_command_is_what_pypi_dronecan_says(
 
 
 @given(U32, F16, F16, F16, st.integers(-131072, 131071), st.integers(0, 127), st.integers(0, 31))
-def test_any_esc_status_is_what_pypi_dronecan_says(
+def test_any_esc_status_is_encoded_as_by_pypi_dronecan(
     errors: int, volt: float, amp: float, kelvin: float, rpm: int, power: int, index: int
 ) -> None:
     message = ours.EscStatus(errors, volt, amp, kelvin, rpm, power, index)
@@ -363,7 +365,7 @@ def test_any_esc_status_is_what_pypi_dronecan_says(
 
 
 @given(U32, st.integers(0, 3), st.integers(0, 7), st.integers(0, 7), st.integers(0, 0xFFFF))
-def test_any_node_status_is_what_pypi_dronecan_says(
+def test_any_node_status_is_encoded_as_by_pypi_dronecan(
     uptime: int, health: int, mode: int, sub_mode: int, code: int
 ) -> None:
     message = ours.NodeStatus(uptime, health, mode, sub_mode, code)
@@ -380,7 +382,7 @@ def test_any_node_status_is_what_pypi_dronecan_says(
 
 
 @given(st.integers(0, 255))
-def test_any_arming_status_is_what_pypi_dronecan_says(status: int) -> None:
+def test_any_arming_status_is_encoded_as_by_pypi_dronecan(status: int) -> None:
     message = ours.ArmingStatus(status)
     peer = dronecan.uavcan.equipment.safety.ArmingStatus(status=status)
     assert agree(ours.ARMING_STATUS, message.encode(), peer, 10, 0).status == status
@@ -388,7 +390,7 @@ def test_any_arming_status_is_what_pypi_dronecan_says(status: int) -> None:
 
 
 @given(st.binary(min_size=16, max_size=16), st.binary(min_size=1, max_size=80), st.binary(), U32)
-def test_any_node_info_is_what_pypi_dronecan_says(
+def test_any_node_info_is_encoded_as_by_pypi_dronecan(
     unique_id: bytes, name: bytes, certificate: bytes, commit: int
 ) -> None:
     message = ours.NodeInfo(

@@ -80,7 +80,7 @@ def test_a_slot_beyond_the_array_is_left_alone() -> None:
     assert boat.esc.command(20) == 1.0
 
 
-def test_before_arming_status_255_the_motor_is_told_zero() -> None:
+def test_before_arming_status_255_the_motor_gets_zero() -> None:
     boat = Boat(EscNode(ESC, 0))
     boat.command(0, 0)
     boat.command(10, 500)
@@ -161,7 +161,7 @@ def test_status_messages_keep_their_rates_with_a_clock_offset_of_three_hours() -
     assert not receiver.counters
 
 
-def test_get_node_info_is_answered_to_who_asked_with_his_transfer_id() -> None:
+def test_get_node_info_is_answered_to_the_requester_with_his_transfer_id() -> None:
     esc = EscNode(ESC, 0, name="org.example.esc")
     esc.tick(0, 0.0, 0.0, 0.0)
     asked = FrameId(Kind.REQUEST, 24, GET_NODE_INFO.type_id, BOAT, ESC)

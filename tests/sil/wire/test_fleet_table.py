@@ -57,7 +57,7 @@ def test_beacons_are_read() -> None:
     assert not list(beacons(other))
 
 
-def test_the_digest_is_what_the_firmware_tells() -> None:
+def test_the_digest_equals_the_firmwares() -> None:
     """The epoch and the time until a table is in force are no part of it; flags and members are."""
     boat = flotilla.Boat({"MAV_SYSID": 7}, links=1)
     for epoch, turns in ((1, False), (2, True), (9, True)):

@@ -42,7 +42,7 @@ def test_every_message_that_is_read_lies_on_the_wire_as_our_dialect_has_it(numbe
 
 @pytest.mark.parametrize("version1", [False, True])
 @pytest.mark.parametrize("stream", [False, True])
-def test_fields_are_those_that_were_said(stream: bool, version1: bool) -> None:
+def test_fields_are_those_that_were_sent(stream: bool, version1: bool) -> None:
     ear = Ear(stream=stream)
     wire = Station(7, 1).pack(attitude(0.5, 1234), BEAT, version1=version1)
     first, second = ear.hear(wire)

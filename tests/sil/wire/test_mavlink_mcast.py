@@ -17,7 +17,7 @@ def heard(end: socket.socket) -> bytes:
     return end.recv(1000)
 
 
-def test_all_who_listen_to_the_group_hear_what_is_said_in_order() -> None:
+def test_all_listeners_of_the_group_receive_all_messages_in_order() -> None:
     group = Group("239.255.145.64", free_port())
     with listener(group) as one, listener(group) as other:
         mouth = Mouth(f"mcast:{group.host}:{group.port}")
@@ -28,7 +28,7 @@ def test_all_who_listen_to_the_group_hear_what_is_said_in_order() -> None:
         mouth.close()
 
 
-def test_nothing_that_is_said_on_the_loopback_leaves_the_machine() -> None:
+def test_messages_on_the_loopback_do_not_leave_the_machine() -> None:
     mouth = Mouth(f"mcast:239.255.145.65:{free_port()}")
     hops = mouth._socket.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL)
     interface = mouth._socket.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, 4)
@@ -36,7 +36,7 @@ def test_nothing_that_is_said_on_the_loopback_leaves_the_machine() -> None:
     mouth.close()
 
 
-def test_one_listener_hears_and_one_that_is_not_there_holds_up_nobody() -> None:
+def test_a_missing_listener_does_not_block_the_others() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.bind((LOOPBACK, 0))
         port = end.getsockname()[1]
@@ -61,7 +61,7 @@ def test_an_address_that_is_no_multicast_group_is_refused(text: str) -> None:
         group_of(text)
 
 
-def test_a_network_that_refuses_what_is_said_holds_up_nobody() -> None:
+def test_a_datagram_that_the_network_refuses_raises_no_error() -> None:
     mouth = Mouth(f"mcast:239.255.145.66:{free_port()}")
     mouth.send(bytes(70_000), 0)  # longer than a datagram
     mouth.close()

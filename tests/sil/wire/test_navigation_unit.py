@@ -206,7 +206,7 @@ def test_a_timesync_request_is_answered_with_its_own_stamp_at_the_next_tick() ->
     assert sender.tick(OFFSET_US + 200, ETA, NU) == b""
 
 
-def test_an_answer_that_waits_for_a_tick_tells_when_the_request_was_read() -> None:
+def test_an_answer_has_the_time_at_which_the_request_was_read() -> None:
     sender = unit(rate_hz=1.0)
     sender.tick(0, ETA, NU)
     sender.on_mavlink(ask(0, 1), 2_000)
@@ -251,7 +251,7 @@ def test_garbage_never_raises(garbage: bytes, payload: bytes) -> None:
     sender.tick(0, ETA, NU)
 
 
-def test_a_late_unit_tells_the_state_of_its_stamp_so_much_later() -> None:
+def test_a_late_unit_sends_each_state_later_with_the_stamp_of_that_state() -> None:
     settings = Settings(10.0, delay_s=0.2)
     late = NavigationUnit(2, 201, vehicle_type=0, origin=ORIGIN, settings=settings)
     told = {}

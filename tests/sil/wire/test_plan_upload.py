@@ -57,7 +57,7 @@ def test_a_silent_boat_is_asked_five_times() -> None:
     assert not upload.done and upload.fault == "the boat does not answer"
 
 
-def test_a_refusal_is_told() -> None:
+def test_a_refusal_is_reported() -> None:
     upload = begun()
     upload.on_mavlink(ack(mavlink.MAV_MISSION_INVALID_PARAM2), 0)
     assert not upload.done and upload.fault == "MAV_MISSION_INVALID_PARAM2"

@@ -30,7 +30,7 @@ def unsigned() -> bytes:
     return beat(mavlink.MAVLink(None, 255, 25))
 
 
-def test_pymavlink_takes_what_is_signed() -> None:
+def test_pymavlink_accepts_our_signatures_and_no_others() -> None:
     ours, theirs = Signer(KEY, 70), pymavlink()
     for sequence in (0, 200):
         frame = ours.sign(numbered(unsigned(), sequence))
@@ -53,7 +53,7 @@ def test_a_message_signed_by_pymavlink_is_accepted_once() -> None:
 
 
 @pytest.mark.parametrize("at", [3, 12, 20, -14, -8, -1])
-def test_a_changed_byte_is_noticed(at: int) -> None:
+def test_a_changed_byte_makes_the_signature_false(at: int) -> None:
     frame = bytearray(beat(pymavlink()))
     frame[at] ^= 1
     assert not Signer(KEY, 70).verifies(bytes(frame))
@@ -64,7 +64,7 @@ def test_a_message_older_than_a_minute_is_not_taken() -> None:
     assert not Signer(KEY, 70).verifies(beat(pymavlink(late_s=70.0)))
 
 
-def test_an_old_message_with_the_key_is_told_from_one_with_another() -> None:
+def test_an_old_message_with_the_key_has_an_age_and_one_with_another_key_has_none() -> None:
     ours = Signer(KEY, 70)
     assert ours.late_s(beat(pymavlink(late_s=120.0))) == pytest.approx(120.0, abs=5.0)
     assert ours.late_s(beat(pymavlink(late_s=50.0))) is None
@@ -103,7 +103,7 @@ def test_a_key_is_bytes_or_digits(tmp_path: Path, content: bytes) -> None:
         (b"x" * 64, 0o600, "64 hexadecimal digits"),
     ],
 )
-def test_a_bad_key_is_told(tmp_path: Path, content: bytes, mode: int, said: str) -> None:
+def test_a_bad_key_is_refused(tmp_path: Path, content: bytes, mode: int, said: str) -> None:
     file = tmp_path / "key"
     file.write_bytes(content)
     file.chmod(mode)
