@@ -150,7 +150,7 @@ def certify_twice(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("no_chain")
-def test_leader_that_stops_and_goes_is_looked_at_in_both(tmp_path: Path) -> None:
+def test_leader_that_stops_and_goes_is_examined_moving_and_at_rest(tmp_path: Path) -> None:
     inputs = "[{surge_N = 2.0}, {from_s = 60.0}, {from_s = 90.0, surge_N = 2.0}]"
     arguments = ("diamond", "--law", "product", "--set", f"leader.input={inputs}")
     status, document = certified(tmp_path, *arguments)
@@ -169,7 +169,7 @@ def test_leader_that_never_moves_is_no_reason_to_fail(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("no_chain")
-def test_constant_turn_has_no_period_and_says_why(tmp_path: Path) -> None:
+def test_constant_turn_has_no_period_and_the_reason_is_given(tmp_path: Path) -> None:
     turn = ("--set", SINE, "--set", "leader.input.1.yaw_Nm=0.15", "--param", "THR_SLEW=5")
     document = certified(tmp_path, "diamond", *turn)[1]
     (leg,) = document["legs"]
@@ -179,7 +179,7 @@ def test_constant_turn_has_no_period_and_says_why(tmp_path: Path) -> None:
     assert any("THR_SLEW = 5" in note for note in document["notes"])
 
 
-def test_path_that_cannot_be_written_is_told_before_anything_is_computed(
+def test_unwritable_path_is_reported_before_anything_is_computed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sil.certificate.certificate.certify", lambda *_: pytest.fail("computed"))
@@ -190,7 +190,7 @@ def test_path_that_cannot_be_written_is_told_before_anything_is_computed(
     assert not (tmp_path / "out").exists()
 
 
-def test_interrupted_run_says_so_and_leaves_nothing(
+def test_interrupted_run_ends_with_status_130_and_leaves_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupt(*_: object) -> None:
@@ -212,7 +212,7 @@ def test_interrupted_run_says_so_and_leaves_nothing(
         (["diamond", "--seed", "-1"], "greater than or equal to 0"),
     ],
 )
-def test_a_mistake_is_told_in_one_line(
+def test_a_mistake_is_reported_in_one_line(
     arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"

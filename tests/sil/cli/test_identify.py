@@ -58,7 +58,7 @@ def test_swapped_propellers_get_no_parameters(
     }
 
 
-def test_a_folder_that_cannot_be_written_is_told_before_any_log_is_read(
+def test_an_unwritable_folder_is_reported_before_any_log_is_read(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sil.identify.log_files.read", lambda _: pytest.fail("read"))

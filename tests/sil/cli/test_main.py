@@ -36,7 +36,7 @@ COMMANDS = Path(cli.__file__).parent.glob("*_command.py")
         (["run", "diamond", "--param", "LAW_K=1"], 'unknown parameter LAW_K; did you mean "'),
     ],
 )
-def test_a_mistake_is_told_in_one_line(
+def test_a_mistake_is_reported_in_one_line(
     arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
@@ -45,7 +45,7 @@ def test_a_mistake_is_told_in_one_line(
     assert not out.exists()
 
 
-def test_results_that_cannot_be_written_are_told(
+def test_an_unwritable_results_folder_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("in the way")
@@ -128,7 +128,7 @@ def test_run_without_matplotlib_has_a_report_without_pictures(
     }
 
 
-def test_hulls_are_listed_and_told_as_their_files(capsys: pytest.CaptureFixture[str]) -> None:
+def test_hulls_are_listed_and_printed_as_their_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["hulls"]) == 0
     listed = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
     assert listed == ["blueboat", "heron", "otter", "paper", "wamv"]

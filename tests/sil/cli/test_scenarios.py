@@ -9,14 +9,14 @@ from sil.cli.main import main
 from sil.scenario import scenario
 
 
-def test_every_scenario_is_listed_with_what_it_is(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_scenario_is_listed_with_its_first_words(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["scenarios"]) == 0
     listed = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert listed.keys() == {path.stem for path in scenario.FOLDER.glob("*.toml")}
     assert listed["paper_monte_carlo"].startswith("The paper's Monte Carlo")
 
 
-def test_one_that_is_printed_is_sailed_from_a_file_of_ones_own(
+def test_a_printed_scenario_can_be_sailed_as_a_file_of_ones_own(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["scenarios", "square"]) == 0
@@ -26,6 +26,8 @@ def test_one_that_is_printed_is_sailed_from_a_file_of_ones_own(
     assert ours.model_dump(exclude={"name"}) == theirs.model_dump(exclude={"name"})
 
 
-def test_an_unknown_one_is_told_with_those_there_are(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_scenario_is_answered_with_the_nearest_name(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert main(["scenarios", "squar"]) == 2
     assert 'did you mean "square"?' in capsys.readouterr().err

@@ -54,7 +54,7 @@ def test_a_file_is_a_tlog(tmp_path: Path) -> None:
         (__file__, "is not a tlog"),
     ],
 )
-def test_a_source_that_cannot_be_viewed_is_told_in_one_line(
+def test_an_impossible_source_is_reported_in_one_line(
     source: str, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["view", source]) == 2
@@ -72,7 +72,7 @@ def test_a_source_that_cannot_be_viewed_is_told_in_one_line(
         ('{"type": "Sea"}', '"Sea" is not a GeoJSON type'),
     ],
 )
-def test_a_file_that_is_not_a_chart_is_told(
+def test_a_file_that_is_not_a_chart_is_reported(
     content: str, words: str, sailed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "chart"

@@ -16,7 +16,7 @@ def half(path: Path) -> None:
         raise KeyboardInterrupt
 
 
-def test_full_disk_is_told_with_the_files_path_and_the_earlier_file_stays(tmp_path: Path) -> None:
+def test_full_disk_is_reported_with_the_path_and_the_earlier_file_stays(tmp_path: Path) -> None:
     path = tmp_path / "summary.json"
     path.write_bytes(b"earlier")
     with full_disk(), pytest.raises(OSError, match=r"summary\.json") as error:
@@ -32,7 +32,7 @@ def test_interrupted_file_leaves_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_device_is_written_to_and_stays_one() -> None:
+def test_device_is_written_to_and_not_replaced() -> None:
     with pytest.raises(OSError, match="/dev/full"):
         files.replace(Path("/dev/full"), b"x")
     assert Path("/dev/full").is_char_device()

@@ -23,7 +23,7 @@ def test_new_interrupted_and_own_folders_are_taken(tmp_path: Path) -> None:
         assert claim(folder, "summary.json", "noisy") == folder
 
 
-def test_page_of_another_verb_is_not_overwritten(tmp_path: Path) -> None:
+def test_page_of_another_command_is_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "report.html").touch()
     with pytest.raises(ValueError, match="holds files that this command has not made"):
         claim(tmp_path, "summary.json", "noisy")
@@ -46,13 +46,13 @@ def test_files_made_by_something_else_are_not_overwritten(
         claim(folder, "summary.json", "noisy")
 
 
-def test_file_is_no_folder(tmp_path: Path) -> None:
+def test_file_is_refused_as_a_folder(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(ValueError, match="is a file; name a folder"):
         claim(tmp_path / "file", "summary.json", "noisy")
 
 
-def test_run_leaves_the_run_of_another_scenario_alone(
+def test_run_does_not_overwrite_that_of_another_scenario(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = summary(tmp_path / "held", '{"scenario": "sea"}')

@@ -31,14 +31,14 @@ def results_of(tasks: list[int], workers: int) -> tuple[list[int], Counter[tuple
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-def test_every_result_is_noted_once(workers: int) -> None:
+def test_every_result_is_passed_on_once(workers: int) -> None:
     lost, noted = results_of(list(range(20)), workers)
     assert lost == [] and noted == Counter((number, number / 2) for number in range(20))
     assert results_of([], workers) == ([], Counter())
 
 
 @pytest.mark.parametrize("place", [0, 7, 14])
-def test_a_task_that_kills_its_process_is_told_and_costs_no_other(place: int) -> None:
+def test_a_task_that_kills_its_process_is_reported_and_costs_no_other(place: int) -> None:
     tasks = list(range(14))
     tasks.insert(place, FATAL)
     lost, noted = results_of(tasks, 2)

@@ -54,7 +54,7 @@ def asked(
 
 
 @pytest.mark.parametrize("policy", ["off", "required"])
-def test_a_boat_that_runs_tells_its_state_and_what_it_lacks(
+def test_a_running_boat_reports_its_state_and_unmet_conditions(
     patient: Patient, tmp_path: Path, policy: str
 ) -> None:
     found = asked(patient, tmp_path, policy)
@@ -67,7 +67,9 @@ def test_a_boat_that_runs_tells_its_state_and_what_it_lacks(
     assert not lacking & {"ESCs are not online", "parameters or fence are not saved"}
 
 
-def test_a_doctor_without_the_key_says_that_it_needs_it(patient: Patient, tmp_path: Path) -> None:
+def test_a_doctor_without_the_key_reports_that_it_needs_it(
+    patient: Patient, tmp_path: Path
+) -> None:
     found = asked(patient, tmp_path, "required", patient.at(KEY_FILE).unlink)
     silent = next(f for f in found if f"no boat {BOAT} answers" in f.what)
     assert "sudo" in silent.remedy

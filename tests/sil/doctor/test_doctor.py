@@ -238,7 +238,7 @@ def test_a_healthy_boat_is_ready(patient: Patient) -> None:
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_planted_fault_is_found_with_what_helps(
+def test_a_planted_fault_is_found_with_its_remedy(
     patient: Patient, fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plant, level, where, what, remedy = FAULTS[fault]
@@ -353,7 +353,7 @@ CONDITIONS = flotilla.supervisor_conditions()
     ("unmet", "level"),
     [("escs_online", BAD), ("parameters_saved", BAD), ("own_fresh", DOUBT), ("", DOUBT)],
 )
-def test_what_keeps_a_boat_from_arming_is_wrong_and_the_rest_is_to_look_at(
+def test_conditions_that_prevent_arming_are_bad_and_others_are_doubts(
     patient: Patient, unmet: str, level: Level
 ) -> None:
     """Asks a boat that sends COND and COND2, or COND2 alone."""
@@ -406,6 +406,6 @@ def test_parameters_of_a_damaged_file_are_none() -> None:
     assert saved("flotilla-parameters 1\nLAW_KX = 3\ncrc32 = 00000000") == {}
 
 
-def test_it_looks_at_nothing_that_there_is_not(tmp_path: Path) -> None:
+def test_a_missing_configuration_is_the_first_finding(tmp_path: Path) -> None:
     found = list(examine(Computer(tmp_path), CONFIG, 0.1))
     assert found[0].where == CONFIG and found[0].level is BAD

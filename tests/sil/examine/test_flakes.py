@@ -38,18 +38,18 @@ def fails(task: Task) -> str:
     return "no digest: boat 1: not ready" if task[0] == "sea" else task[0]
 
 
-def test_runs_that_come_out_the_same_every_time_are_not_told() -> None:
+def test_runs_with_equal_digests_are_not_reported() -> None:
     assert flakes.lockstep(3 * SCENARIOS, quiet(), by_name) == 0
 
 
-def test_every_run_that_differs_from_the_first_of_its_scenario_is_told() -> None:
+def test_every_run_that_differs_from_the_first_of_its_scenario_is_reported() -> None:
     console = quiet()
     assert flakes.lockstep(2 * SCENARIOS, console, by_process) == SCENARIOS
     assert isinstance(console.file, io.StringIO)
     assert console.file.getvalue().count("run ") == SCENARIOS
 
 
-def test_a_run_that_fails_every_time_in_the_same_way_is_told(
+def test_a_run_that_always_fails_the_same_way_is_reported(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     error = StartError("boat 1: not ready")
@@ -58,7 +58,7 @@ def test_a_run_that_fails_every_time_in_the_same_way_is_told(
     assert flakes.lockstep(2 * SCENARIOS, quiet(), fails) == 2
 
 
-def test_a_run_that_kills_its_process_is_told() -> None:
+def test_a_run_that_kills_its_process_is_reported() -> None:
     assert flakes.lockstep(SCENARIOS, quiet(), dies) == 1
 
 

@@ -38,7 +38,7 @@ def built() -> None:
 
 
 @pytest.mark.nightly
-def test_boats_whose_numbers_are_noted_say_what_all_boats_say(built: None) -> None:
+def test_noting_ranges_does_not_change_the_digest(built: None) -> None:
     (same,) = sail([scenario.load("diamond", SHORT)], {}, digest=True)
     assert isinstance(same, Run)
     noted = run(sys.executable, "-c", SAIL.format(short=SHORT))
@@ -47,7 +47,7 @@ def test_boats_whose_numbers_are_noted_say_what_all_boats_say(built: None) -> No
 
 
 @pytest.mark.nightly
-def test_in_every_scenario_each_files_numbers_stay_within_what_it_states(built: None) -> None:
+def test_in_every_scenario_each_files_numbers_stay_within_its_stated_range(built: None) -> None:
     told = run(sys.executable, "-m", "sil.examine.ranges", "--seconds", "25")
     assert told.returncode == 0, told.stdout + told.stderr
     unseen = {line.split()[0] for line in told.stdout.splitlines() if line.rstrip().endswith("–")}
@@ -66,7 +66,7 @@ def test_in_every_scenario_each_files_numbers_stay_within_what_it_states(built: 
         (None, 1.0, False),
     ],
 )
-def test_file_keeps_its_range_or_does_not(
+def test_a_file_keeps_its_range_up_to_the_stated_magnitude(
     stated: float | None, magnitude: float | None, kept: bool
 ) -> None:
     most = None if magnitude is None else Most(magnitude, 7, "diamond")

@@ -27,7 +27,7 @@ def row_of(table: str, name: str) -> list[str]:
     return [cell.strip() for cell in line.split("|")[2:-1]]
 
 
-def test_the_page_tells_what_a_loss_does_and_how_the_boat_comes_back() -> None:
+def test_the_loss_table_has_each_losss_effect_and_the_way_back() -> None:
     losses = supervisor_page.loss_table()
     assert row_of(losses, "escs_online") == ["FAULT; disarm first"] * 9
     # in HOLD, MANUAL, FORMATION, COAST, TEST, AUTO, GUIDED, LOITER, RTL
@@ -39,7 +39,7 @@ def test_the_page_tells_what_a_loss_does_and_how_the_boat_comes_back() -> None:
     assert row_of(losses, "coast_running")[3] == "HOLD; asked for"
 
 
-def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit() -> None:
+def test_the_condition_table_has_each_conditions_limit_and_modes() -> None:
     conditions = supervisor_page.condition_table()
     assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "for every mode of the law"]
     assert row_of(conditions, "gcs_heard")[-2:] == [
@@ -51,7 +51,7 @@ def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit()
     assert all(name in conditions for name in some(supervisor_page.NAMES))
 
 
-def test_the_page_tells_what_each_choice_does() -> None:
+def test_the_choice_table_has_each_choices_effect() -> None:
     choices = supervisor_page.choice_table()
     coast = "COAST, then `FS_COAST_ACT` decides"
     assert f"| `FS_LEADER_ACT` 1 (default) | no `leader_fresh` | {coast} | {coast} |" in choices

@@ -19,7 +19,7 @@ def test_every_scenario_is_on_the_page_with_its_first_words() -> None:
         assert len(row.rsplit("|", 2)[1].split()) > 3
 
 
-def test_a_key_means_what_its_comment_says_and_the_lines_below() -> None:
+def test_a_keys_meaning_is_its_comment_and_the_lines_below() -> None:
     text = "[link]          # radio\nloss = 0.1      # share\n                # of packets\n"
     assert scenario_page.meanings(text + "# [[fault]]  # bad\n# value = 1  # much\n") == {
         ("link", ""): "radio",

@@ -60,7 +60,7 @@ def test_a_boat_that_keeps_the_limits_passes() -> None:
         (GOOD, {"error_m": 0.05}, "0.10 m from its slot, not 0.05 m"),
     ],
 )
-def test_a_boat_that_breaks_a_limit_fails_and_the_reason_is_told(
+def test_a_boat_that_breaks_a_limit_fails_with_the_reason(
     spells: tuple[Any, ...], keys: dict[str, Any], why: str
 ) -> None:
     outcome = judged(*spells, **{**WELL, **keys})
@@ -89,7 +89,7 @@ def test_a_boat_is_driven_home_by_sticks_that_were_at_neutral(
     assert why in outcome.why
 
 
-def test_a_boat_that_does_not_tell_the_rows_words_fails() -> None:
+def test_a_boat_that_does_not_report_the_rows_words_fails() -> None:
     row = Row.model_validate({"name": "it", "fault": [FAULT], "states": ["HOLD"], "told": "fix"})
     well = judged(*GOOD, **WELL)
     assert matrix._heard(row, ["HOLD", "poor navigation: fix"], well) == well
@@ -103,7 +103,7 @@ def test_thrust_may_last_as_long_as_the_row_says() -> None:
     assert not judged(*spells, **WELL, off_s=0.2).passed
 
 
-def test_a_boat_that_may_go_on_may_go_on() -> None:
+def test_a_boat_may_stay_in_formation_where_the_row_allows_it() -> None:
     assert judged(("FORMATION", 60, 5.0), states=["FORMATION"], error_m=0.1).passed
 
 
@@ -124,13 +124,13 @@ def outcomes() -> dict[str, Outcome]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_boats_take_every_fault_of_the_matrix_within_its_limits(
+def test_every_fault_of_the_matrix_stays_within_its_limits(
     outcomes: dict[str, Outcome], name: str
 ) -> None:
     assert outcomes[name].passed, outcomes[name]
 
 
-def test_where_a_boat_may_go_on_the_fault_was_there_all_the_same() -> None:
+def test_a_fault_that_formation_survives_still_changes_the_bytes() -> None:
     """Such a row would pass without its fault too, so compare the wires with an undisturbed run."""
     may_go_on = [row for row in rows.read() if "FORMATION" in row.states]
     assert len(may_go_on) >= 10
@@ -143,7 +143,7 @@ def test_where_a_boat_may_go_on_the_fault_was_there_all_the_same() -> None:
     assert not [row.name for row, one, other in pairs if one == other]
 
 
-def test_the_command_writes_what_it_prints(
+def test_the_command_writes_its_results_to_files(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["faults", "--only", "esc_both_silent", "--out", str(tmp_path)]) == 0
@@ -152,7 +152,7 @@ def test_the_command_writes_what_it_prints(
     assert (tmp_path / "faults.md").read_text().endswith("1 passed, 0 failed\n")
 
 
-def test_the_command_fails_where_a_row_does(
+def test_the_command_fails_if_a_row_fails(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (row,) = (row for row in rows.read() if row.name == "own_silent")
@@ -181,13 +181,13 @@ def test_a_matrix_that_is_interrupted_has_not_passed(
         (["--soak", "0"], "must be positive"),
     ],
 )
-def test_mistakes_are_told_in_one_line(
+def test_mistakes_are_reported_in_one_line(
     arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["faults", *arguments, "--out", str(tmp_path)]) == 2
     assert_told_in_one_line(said, capsys)
 
 
-def test_the_last_line_counts_what_passed_and_failed() -> None:
+def test_the_last_line_counts_passed_and_failed_rows() -> None:
     well, ill = judged(*GOOD, **WELL), judged(*GOOD, **{**WELL, "detected_s": 0.0})
     assert fault_report.summary([well, ill, well]) == "2 passed, 1 failed"

@@ -69,7 +69,7 @@ def off_m(waters: Waters, shape: str, spacing_m: float) -> float:
     return min(float(np.hypot(*(shape - wanted).T).max()) for shape in shapes)
 
 
-def test_status_tells_in_its_first_line_whether_all_is_well(waters: Waters) -> None:
+def test_the_first_line_of_status_counts_the_boats_in_formation(waters: Waters) -> None:
     status, words = waters.command(action="status")
     first, _, *rows = words.splitlines()
     assert (status, first) == (0, "4 of 4 in formation behind boat 1")
@@ -117,7 +117,7 @@ def test_boats_exchange_their_places_without_a_stop(seed: int) -> None:
     assert nearest_m > 1.44  # the guard
 
 
-def test_places_of_a_file_are_taken(waters: Waters, tmp_path: Path) -> None:
+def test_the_places_of_a_file_form_a_shape(waters: Waters, tmp_path: Path) -> None:
     file = tmp_path / "own.toml"
     file.write_text("places_m = [[0, 0], [-6, 1.5], [-3, -4], [-3, 5]]\n")
     form(waters, str(file))
@@ -126,7 +126,7 @@ def test_places_of_a_file_are_taken(waters: Waters, tmp_path: Path) -> None:
         assert min(math.dist(wanted, place) for place in waters.places()) < 0.5
 
 
-def test_the_first_of_those_named_leads(waters: Waters) -> None:
+def test_the_first_boat_named_leads(waters: Waters) -> None:
     order = (2, 1, 3, 4)
     waters.command(action="hold")
     assert waters.command(action="form", shape="column", spacing_m=4.5, boats=order)[0] == 0
@@ -186,7 +186,7 @@ def test_after_a_hold_boats_wait_for_a_leader_in_any_order(waters: Waters) -> No
     assert waters.states == ["FORMATION", "LOITER", "FORMATION", "FORMATION"]
 
 
-def test_a_boat_that_does_not_arm_says_why(waters: Waters) -> None:
+def test_a_boat_that_does_not_arm_gives_the_reason(waters: Waters) -> None:
     waters.command(action="stop")
     waters.fault(3, "esc_silent")
     status, words = waters.command(action="arm")
@@ -270,7 +270,7 @@ def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
     ]
 
 
-def test_a_boat_whose_answers_alone_arrive_is_believed(waters: Waters) -> None:
+def test_a_boat_of_which_only_acks_arrive_counts_as_stopped(waters: Waters) -> None:
     """Another boat forwards them, but no HEARTBEAT."""
     answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
     keep_saying(waters, answer.pack(mavlink.MAVLink(None, 9, 1)))
@@ -278,7 +278,7 @@ def test_a_boat_whose_answers_alone_arrive_is_believed(waters: Waters) -> None:
     assert (status, words) == (0, "5 of 5 stopped and disarmed\n")
 
 
-def test_a_text_is_printed_as_it_is_but_commands_no_terminal(waters: Waters) -> None:
+def test_a_text_is_printed_without_control_characters(waters: Waters) -> None:
     boat = mavlink.MAVLink(None, 9, 1)
     text = mavlink.MAVLink_statustext_message(4, b"PreArm: [/dev/i2c-1] :x:\x1b[2J\r")
     refusal = mavlink.MAVLink_command_ack_message(400, 1, 0, 0, 255, COMPONENT)
@@ -297,7 +297,7 @@ def test_a_stop_reaches_a_boat_that_the_operators_radio_does_not(waters: Waters)
     assert waters.states == ["DISARMED", "DISARMED", "DISARMED", "HOLD"]
 
 
-def test_a_stop_waits_for_nobody(waters: Waters) -> None:
+def test_a_stop_reaches_the_boats_heard_within_half_a_second(waters: Waters) -> None:
     """The boats it hears stop within half a second, while others may still come up."""
     station = waters.station()
     begin_s = waters.now_s()
@@ -316,7 +316,7 @@ def test_a_stop_waits_for_nobody(waters: Waters) -> None:
 
 
 @pytest.mark.parametrize("seed", few(range(8), [0, 1, 2]))
-def test_a_radio_that_loses_a_third_carries_all_of_it(seed: int) -> None:
+def test_all_orders_get_through_a_radio_that_loses_a_third(seed: int) -> None:
     waters = Waters(loss=0.3, seed=seed + 1, boat_loss=0.3)
     assert waters.command(action="form", shape="diamond", spacing_m=4.5, boats=BOATS)[0] == 0
     assert waters.command(action="loiter", boats=(1,))[0] == 0
@@ -372,9 +372,7 @@ def test_a_stop_reaches_boats_whose_time_differs(
     assert waters.states == ["DISARMED"] * 4
 
 
-def test_who_signs_with_another_key_is_told_from_who_signs_at_another_time(
-    waters: Waters, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wrong_key_is_reported(waters: Waters, monkeypatch: pytest.MonkeyPatch) -> None:
     signed = Signed(waters, 0.0, monkeypatch)
     assert signed.command(KEY, "hold")[0] == 0
     status, words = signed.command(bytes(32), "stop")
@@ -452,7 +450,7 @@ def test_acknowledgements_of_another_operators_orders_do_not_count(waters: Water
     ]
 
 
-def test_a_station_that_has_kept_as_many_answers_as_it_can_still_hears_them(
+def test_a_full_list_of_acks_does_not_hide_new_ones(
     waters: Waters,
 ) -> None:
     station = waters.station()
@@ -462,7 +460,7 @@ def test_a_station_that_has_kept_as_many_answers_as_it_can_still_hears_them(
     assert all(answer.accepted for answer in stop(station, ()))
 
 
-def test_a_boat_that_obeys_one_station_alone_says_so(waters: Waters) -> None:
+def test_a_boat_that_obeys_another_station_only_is_reported(waters: Waters) -> None:
     waters.command(action="stop")
     wish = Operator().set_parameter(2, "MAV_GCS_SYSID", 255.0)
     waters.batch.fleet.hear(waters.agent(2), wish, waters.t_us)
@@ -475,7 +473,7 @@ def test_a_boat_that_obeys_one_station_alone_says_so(waters: Waters) -> None:
     assert waters.command(system=250, action="stop")[0] == 0
 
 
-def test_nobody_there_is_told(waters: Waters) -> None:
+def test_silence_of_all_boats_is_reported(waters: Waters) -> None:
     waters.deaf.update(BOATS)
     for action in ("status", "arm", "stop", "auto"):
         status, words = waters.command(action=action)
@@ -488,7 +486,7 @@ def beat_of(system: int, component: int, kind: int, autopilot: int = 8, base: in
     return frame
 
 
-def test_strangers_are_no_boats(waters: Waters) -> None:
+def test_stations_and_ships_are_not_counted_as_boats(waters: Waters) -> None:
     """A ground station, another one under this station's id, one aboard boat 2, a ship's."""
     station = waters.station()
     (air,) = waters.airs
@@ -540,7 +538,7 @@ def test_orders_to_a_leader_nobody_knows_are_refused(waters: Waters) -> None:
         waters.command(action="auto", boats=(1, 2))
 
 
-def test_places_are_given_so_that_ways_are_short() -> None:
+def test_places_are_assigned_so_that_squared_distances_are_least() -> None:
     rng = np.random.default_rng(5)
     for _ in range(50):
         places = [(0.0, 0.0), *map(tuple, rng.uniform(-20, 20, (5, 2)))]

@@ -49,7 +49,7 @@ def servers() -> Iterator[tuple[Server, Server]]:
         yield one, other
 
 
-def test_of_two_links_the_one_that_ends_is_told_and_opened_again(
+def test_of_two_links_the_one_that_ends_is_reported_and_opened_again(
     servers: tuple[Server, Server],
 ) -> None:
     one, _ = servers
@@ -82,12 +82,12 @@ def test_the_last_link_that_ends_is_an_error(servers: tuple[Server, Server]) -> 
 
 
 @pytest.mark.parametrize("scheme", ["udpin", "udpout"])
-def test_an_ipv6_address_of_a_udp_link_is_told(scheme: str) -> None:
+def test_an_ipv6_address_of_a_udp_link_is_refused(scheme: str) -> None:
     with pytest.raises(ValueError, match="::1 is an IPv6 address: give an IPv4 address"):
         end_at(f"{scheme}:[::1]:14550")
 
 
-def test_a_server_that_vanishes_without_a_word_is_noticed(servers: tuple[Server, Server]) -> None:
+def test_a_server_that_vanishes_silently_is_noticed(servers: tuple[Server, Server]) -> None:
     one, _ = servers
     end = end_at(one.address)
     assert_notices_loss(end)

@@ -105,7 +105,7 @@ def served() -> Served:
     return Served()
 
 
-def test_it_tells_the_leaders_mode_and_place_and_how_the_fleet_is(served: Served) -> None:
+def test_it_reports_the_leaders_mode_and_position_and_the_fleets_status(served: Served) -> None:
     beats = served.ground.of("HEARTBEAT")
     assert len(beats) == 3
     last = beats[-1]
@@ -131,7 +131,9 @@ def test_the_fleet_waits_and_goes_on_with_its_leader(served: Served) -> None:
     assert list(served.states) == ["AUTO", "FORMATION", "FORMATION", "FORMATION"]
 
 
-def test_after_hold_who_follows_follows_again_with_the_leaders_next_mode(served: Served) -> None:
+def test_after_hold_the_leaders_next_mode_brings_followers_back_to_formation(
+    served: Served,
+) -> None:
     served.ground.mode(HOLD)
     served.run(4.0)
     assert list(served.states) == ["HOLD"] * 4
@@ -154,7 +156,7 @@ def test_the_fleet_goes_to_a_place(served: Served) -> None:
 
 
 @pytest.mark.parametrize("first", [FORMATION, HOLD])
-def test_disarming_stops_every_boat_and_cancels_what_is_under_way(
+def test_disarming_stops_every_boat_and_cancels_pending_commands(
     served: Served, first: int
 ) -> None:
     served.waters.deaf.add(4)
@@ -188,9 +190,7 @@ def test_a_boat_that_does_not_obey_is_named(served: Served) -> None:
 
 
 @pytest.mark.parametrize("silent_s", [6.0, 70.0])
-def test_a_silent_fleet_is_as_it_was_when_it_was_heard_last(
-    served: Served, silent_s: float
-) -> None:
+def test_a_silent_fleet_keeps_its_last_state(served: Served, silent_s: float) -> None:
     served.waters.deaf.update(BOATS)
     served.run(silent_s)
     last = served.ground.of("HEARTBEAT")[-1]
@@ -198,7 +198,7 @@ def test_a_silent_fleet_is_as_it_was_when_it_was_heard_last(
     assert last.system_status == mavlink.MAV_STATE_CRITICAL
 
 
-def test_a_beacon_of_nobody_leaves_the_fleet_as_it_is(served: Served) -> None:
+def test_a_beacon_of_an_unknown_system_changes_nothing(served: Served) -> None:
     heard(served.waters, beacon_message(77, 1, 5))
     served.ground.mode(FORMATION)
     served.run(15.0)
@@ -248,7 +248,7 @@ def test_commands_to_others_are_not_the_fleets(served: Served) -> None:
     assert "DISARMED" not in served.states
 
 
-def test_a_ground_station_without_the_key_is_not_heard() -> None:
+def test_a_ground_station_without_the_key_is_ignored() -> None:
     served = Served(key=KEY, ground_key=bytes(32))
     served.ground.command(ARM, 0.0)
     served.run(3.0)
@@ -256,7 +256,7 @@ def test_a_ground_station_without_the_key_is_not_heard() -> None:
     assert "DISARMED" not in served.states
 
 
-def test_one_with_the_key_is_and_gets_signed_answers() -> None:
+def test_a_ground_station_with_the_key_is_obeyed_and_gets_signed_answers() -> None:
     served = Served(key=KEY)
     served.ground.command(ARM, 0.0)
     served.run(4.0)
@@ -273,14 +273,14 @@ def test_boats_miss_the_ground_station_when_it_falls_silent(served: Served) -> N
     assert served.station.kind == mavlink.MAV_TYPE_ONBOARD_CONTROLLER
 
 
-def test_it_takes_no_boats_id() -> None:
+def test_a_system_id_of_a_boat_is_refused() -> None:
     waters = Waters()
     vehicle = FleetVehicle(waters.station(), Ground(), BOATS[1])
     with pytest.raises(ValueError, match="already has system id 2"):
         vehicle.serve(3.0)
 
 
-def test_its_own_heartbeat_that_comes_back_is_told_once_and_ignored(served: Served) -> None:
+def test_an_echo_of_its_own_heartbeat_is_reported_once_and_ignored(served: Served) -> None:
     for _ in range(3):
         heard(served.waters, served.ground.frames[0])
         served.run(2.0)
@@ -320,12 +320,12 @@ def test_a_message_that_pymavlink_does_not_know_is_ignored(served: Served) -> No
     assert served.states[0] == "LOITER"
 
 
-def test_mavsdks_hold_is_hold(served: Served) -> None:
+def test_hold_of_mavsdk_means_hold(served: Served) -> None:
     served.ground.command(MODE, 1.0, 4.0, 3.0)
     served.run(4.0)
     assert list(served.states) == ["HOLD"] * 4
 
 
-def test_a_mode_that_is_set_the_old_way_is_taken() -> None:
+def test_set_mode_is_accepted() -> None:
     wish = wish_of(mavlink.MAVLink_set_mode_message(FLEET, 1, HOLD))
     assert wish is not None and wish.action == "hold"

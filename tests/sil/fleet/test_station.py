@@ -31,7 +31,7 @@ def heard_by(waters: Waters, *frames: bytes) -> Station:
     return station
 
 
-def test_a_beacon_alone_makes_no_boat(waters: Waters) -> None:
+def test_a_system_that_sends_only_a_beacon_is_no_boat(waters: Waters) -> None:
     station = heard_by(waters, beacon_message(77, 1, 5))
     assert station.boats() == list(BOATS)
     assert station.beacon(77) is None
@@ -48,7 +48,7 @@ def test_a_beacon_alone_makes_no_boat(waters: Waters) -> None:
         (1, mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_PX4, 0),
     ],
 )
-def test_a_heartbeat_of_another_kind_makes_no_boat(
+def test_a_system_with_a_heartbeat_of_another_type_is_no_boat(
     waters: Waters, component: int, kind: int, autopilot: int, mode: int
 ) -> None:
     beat = beat_of(77, component, kind, autopilot, mode)

@@ -28,12 +28,12 @@ def form_after(waters: Waters, frame: bytes) -> tuple[int, str]:
     return waters.command(strange=[frame], action="form", shape="line", spacing_m=4.5, boats=BOATS)
 
 
-def test_a_strangers_beacon_takes_no_epoch(waters: Waters) -> None:
+def test_a_strangers_beacon_does_not_raise_the_epoch(waters: Waters) -> None:
     status, words = form_after(waters, beacon_message(77, 65534, 1))
     assert status == 0 and words.startswith("table 2 is in force with 4 of 4 boats")
 
 
-def test_an_epoch_that_one_boat_alone_tells_is_named_and_does_not_count() -> None:
+def test_an_epoch_that_one_boat_alone_reports_is_doubtful_and_does_not_count() -> None:
     told = {1: 3, 2: 65534, 3: 3, 4: 2}
     assert doubtful_epochs(told) == {2: 65534}
     assert newest_epoch(told) == 3
@@ -54,7 +54,7 @@ def test_a_high_epoch_that_boats_really_hold_counts(told: dict[int, int], newest
     assert not doubtful_epochs(told)
 
 
-def test_an_epoch_of_today_is_above_yesterdays() -> None:
+def test_epochs_grow_with_the_day_and_wrap() -> None:
     noon_s = 1_800_000_000
     assert epoch_at(noon_s + 86400) == epoch_at(noon_s) + 144
     assert {epoch_at(0.0), epoch_at(600.0 * 65535)} == {1}
@@ -83,7 +83,7 @@ def test_a_boat_with_an_older_sessions_table_does_not_bring_it_back() -> None:
 
 
 @pytest.mark.parametrize("formed", [False, True])
-def test_of_two_operators_at_once_one_is_told_that_its_table_lost(*, formed: bool) -> None:
+def test_of_two_simultaneous_operators_the_loser_is_informed(*, formed: bool) -> None:
     """Both ask for a table with the same epoch; the boats hear the other one's first."""
     waters = Waters(boat_loss=0.0)
     if formed:
@@ -127,7 +127,7 @@ def test_a_fleet_with_a_high_epoch_is_formed_and_stopped(waters: Waters) -> None
     assert waters.states == ["DISARMED"] * 3 + ["HOLD"]
 
 
-def test_a_boat_that_alone_tells_a_high_epoch_is_named(waters: Waters) -> None:
+def test_a_boat_that_alone_reports_a_high_epoch_is_named(waters: Waters) -> None:
     wait = waters.wait
 
     def flooded(ends: Sequence[End], for_s: float) -> Sequence[End]:
@@ -171,7 +171,7 @@ def rival(epoch: int) -> bytes:
     return table_message(epoch, members, sender=(254, 190))
 
 
-def test_a_boat_that_only_a_table_tells_of_is_stopped_and_named(waters: Waters) -> None:
+def test_a_boat_known_only_from_a_table_is_stopped_and_named(waters: Waters) -> None:
     members = [Member(1, 0, (0.0, 0.0), 1.3)]
     members += [Member(boat, 1, (-4.0 * boat, 0.0), 1.3) for boat in BOATS[1:]]
     waters.deaf = {4}
@@ -184,7 +184,7 @@ def test_a_boat_that_only_a_table_tells_of_is_stopped_and_named(waters: Waters) 
     )
 
 
-def test_a_member_that_does_not_say_what_it_is_is_stopped_too(waters: Waters) -> None:
+def test_a_member_of_unknown_type_is_stopped_too(waters: Waters) -> None:
     """A table of boat 2 lists it; its HEARTBEAT could be another Rover's."""
     members = [Member(1, 0, (0.0, 0.0), 1.3), Member(9, 1, (-4.0, 0.0), 1.3)]
     table, beat = table_message(1, members, sender=(2, 1)), rovers_beat(9)
@@ -196,7 +196,7 @@ def test_a_member_that_does_not_say_what_it_is_is_stopped_too(waters: Waters) ->
     ]
 
 
-def test_a_surface_boat_that_does_not_say_what_it_is_is_named(waters: Waters) -> None:
+def test_a_surface_boat_of_unknown_type_is_named_and_not_stopped(waters: Waters) -> None:
     beat = rovers_beat(9)
     status, words = waters.command(strange=[beat], action="stop")
     assert (status, words.splitlines()) == (

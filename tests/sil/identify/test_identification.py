@@ -64,7 +64,7 @@ def test_the_current_is_found() -> None:
     assert found().fit.local[0, :2] == pytest.approx((0.08, -0.05), abs=0.02)
 
 
-def test_intervals_have_the_truth_in_them() -> None:
+def test_intervals_contain_the_true_values() -> None:
     truth = {"m33": HULL.m33 / HULL.m11, "gain": 0.05, "forward": 35.0 / HULL.m11, "expo": 0.4}
     for name, true in truth.items():
         low, high = found().intervals.of(found().intervals.draws[:, INDEX[name]])
@@ -80,7 +80,7 @@ def test_the_half_that_was_not_fitted_is_predicted() -> None:
         assert min(score.u, score.r) > 0.97 and score.v > 0.9
 
 
-def test_parameters_are_of_this_boat() -> None:
+def test_parameters_are_those_of_the_simulated_boat() -> None:
     values = parameters(found(), BOAT)
     near(values["VES_M11"], HULL.m11, 1e-4)
     near(values["THR_FWD_MAX"], 35.0, 0.05)
@@ -93,7 +93,7 @@ def test_parameters_are_of_this_boat() -> None:
     assert "NAV_LAG_S" not in values
 
 
-def test_page_tells_whether_the_gains_fit(tmp_path: Path) -> None:
+def test_page_reports_whether_the_gains_fit(tmp_path: Path) -> None:
     names = {path.name for path in identify_files.write_hull(found(), BOAT, tmp_path)}
     assert names == {"hull.param", "hull.params", "hull.toml"}
     for fitting, told in ((True, "derives fit this hull: certified"), (False, "do not fit")):

@@ -47,7 +47,7 @@ def test_a_yaw_rate_of_another_time_is_measured(samples: int) -> None:
     assert any(f"s {word} than the heading" in line for line in oddities.of_logs([late]))
 
 
-def test_a_position_that_repeats_is_told() -> None:
+def test_a_repeated_position_is_reported() -> None:
     told = oddities.of_logs([replace(plain(3), fresh=0.5)])
     assert told == [
         "the position is new in only 50% of the samples: it comes at about 5 Hz and is repeated"

@@ -54,7 +54,7 @@ def test_a_term_changes_the_measurements_as_a_simulation_of_its_own_has_it(name:
 
 
 @pytest.mark.parametrize("number", range(len(LOCAL)))
-def test_current_and_wind_change_them_so_too(number: int) -> None:
+def test_so_do_current_and_wind(number: int) -> None:
     problem, point, values = sought()
     out, steps = _perturbed(problem, point, values)
     k = len(point.z) + number

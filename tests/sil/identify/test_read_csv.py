@@ -46,7 +46,7 @@ def test_a_table_in_si_is_taken_as_it_is(tmp_path: Path) -> None:
     assert np.allclose(log.commands[1:-1], mean[1 : len(log.commands) - 1], atol=1e-6)
 
 
-def test_degrees_milliseconds_pulses_and_other_names_give_the_same(tmp_path: Path) -> None:
+def test_degrees_milliseconds_pulses_and_other_names_give_the_same_log(tmp_path: Path) -> None:
     table = columns()
     plain, _ = read_csv(written(tmp_path, table))
     other = {
@@ -100,7 +100,7 @@ def test_pulses_beyond_400_us_are_scaled_alike_in_all_logs_and_noted(tmp_path: P
     assert notes == ["full thrust is taken as 500 µs from the stop, not as 400"]
 
 
-def test_a_stop_beside_1500_us_makes_no_pulse_of_1100_to_1900_more_than_full(
+def test_a_stop_pulse_beside_1500_us_keeps_commands_within_full_thrust(
     tmp_path: Path,
 ) -> None:
     table = columns()
@@ -148,7 +148,7 @@ def test_latitudes_are_metres_as_geopy_has_them(tmp_path: Path) -> None:
     assert np.allclose(log.motion[:, :2] - offset, moved[: len(log.motion)], atol=0.01)
 
 
-def test_a_gap_is_no_measurement(tmp_path: Path) -> None:
+def test_a_gap_has_no_measurements(tmp_path: Path) -> None:
     table = {name: np.delete(column, slice(100, 120)) for name, column in columns().items()}
     log, _ = read_csv(written(tmp_path, table))
     assert np.all(np.isnan(log.motion[101:119]))
@@ -165,7 +165,7 @@ NONSENSE: dict[str, tuple[str, Callable[[Any], Any], str]] = {
 
 
 @pytest.mark.parametrize("case", NONSENSE)
-def test_nonsense_is_refused_with_the_columns_name(tmp_path: Path, case: str) -> None:
+def test_impossible_values_are_refused_with_the_columns_name(tmp_path: Path, case: str) -> None:
     name, spoil, told = NONSENSE[case]
     table = columns()
     if case == "degrees":  # more than a turn, with a step at north

@@ -148,7 +148,7 @@ def test_odometry_is_enough(truth: VoyageLog, tmp_path: Path) -> None:
     check(log, truth)
 
 
-def test_a_log_without_commands_names_what_is_missing(truth: VoyageLog, tmp_path: Path) -> None:
+def test_a_log_without_propeller_commands_is_refused(truth: VoyageLog, tmp_path: Path) -> None:
     (tmp_path / "rover.tlog").write_bytes(tlog(*attitude_and_place(truth, 3, 1)))
     with pytest.raises(BadLogError, match="no propeller commands"):
         read([tmp_path / "rover.tlog"])

@@ -61,12 +61,12 @@ def test_either_half_predicts_the_other() -> None:
 
 
 @pytest.mark.nightly
-def test_of_two_schedules_the_one_whose_halves_predict_each_other_is_taken() -> None:
+def test_the_schedule_whose_halves_predict_each_other_is_used() -> None:
     assert found().held_out == scores()
 
 
 @pytest.mark.nightly
-def test_everything_odd_in_them_is_told() -> None:
+def test_every_oddity_in_them_is_reported() -> None:
     told = " ".join([sentence(found()), *remarks(found())])
     print(told)
     for part in (

@@ -106,7 +106,7 @@ def exact(
 
 
 @pytest.mark.parametrize("seed", few(range(4), [0]))
-def test_ten_seconds_end_where_scipy_ends(seed: int) -> None:
+def test_ten_seconds_agree_with_scipys_integrator(seed: int) -> None:
     rng = np.random.default_rng(seed)
     p, given = drawn(rng), commands(rng)
     local, start = rng.normal(0.0, WEATHER), rng.normal(0.0, 0.3, 6)

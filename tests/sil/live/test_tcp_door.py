@@ -112,7 +112,7 @@ def test_two_clients_hear_the_boat_and_each_is_heard(berth: Berth) -> None:
         assert datagrams == [said[1], said[2]]
 
 
-def test_a_client_that_leaves_or_reads_nothing_stops_nobody(berth: Berth) -> None:
+def test_a_client_that_leaves_or_reads_nothing_does_not_block_others(berth: Berth) -> None:
     said = frames(1)[0]
     with berth.client() as listener, berth.client():  # the second one reads nothing
         berth.client().close()
@@ -130,6 +130,6 @@ def test_a_client_that_leaves_or_reads_nothing_stops_nobody(berth: Berth) -> Non
         assert got.replace(said, b"") == b""
 
 
-def test_a_taken_port_gives_the_next_free_one(berth: Berth) -> None:
+def test_if_its_port_is_in_use_the_next_free_one_is_taken(berth: Berth) -> None:
     with closing(TcpDoor(1, berth.port)) as other:
         assert other.door.port > other.door.wished == berth.port

@@ -57,7 +57,7 @@ def test_slot_that_turns_is_ahead_and_to_starboard_of_its_leader(psi_leader: flo
     assert (np.abs(fixed - turning).max() > 0.1) == (psi_leader != 0.0)
 
 
-def test_slot_of_one_boat_may_turn_and_that_of_another_not() -> None:
+def test_each_slot_turns_or_not_by_its_own_setting() -> None:
     eta = np.array([[[0.0, 0.0, math.pi / 2], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]]])
     offset_m = np.array([[2.0, 0.0], [2.0, 0.0]])
     error = metrics.formation_error(eta, [0, 0], offset_m, [True, False])

@@ -59,7 +59,7 @@ def test_a_broken_rule_fails_only_its_own_run_among_those_sailed_together() -> N
 
 
 @pytest.mark.usefixtures("disobedient")
-def test_the_command_line_tells_a_broken_rule_in_one_line_with_status_1(
+def test_a_broken_rule_ends_the_command_with_one_line_and_status_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", "diamond", "--set", SHORT[0], "--out", str(tmp_path)]) == 1

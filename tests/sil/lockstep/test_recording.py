@@ -44,7 +44,7 @@ def test_a_recording_is_read_back_with_its_digest(tmp_path: Path) -> None:
     assert recording.digest() == digest == record(None)
 
 
-def test_a_run_that_breaks_off_leaves_the_recording_before_it(tmp_path: Path) -> None:
+def test_an_aborted_run_keeps_the_earlier_recording(tmp_path: Path) -> None:
     digest = record(tmp_path / "recording.bin")
     with pytest.raises(RuntimeError):
         break_off(tmp_path / "recording.bin")
@@ -52,7 +52,7 @@ def test_a_run_that_breaks_off_leaves_the_recording_before_it(tmp_path: Path) ->
     assert [path.name for path in tmp_path.iterdir()] == ["recording.bin"]
 
 
-def test_a_full_disk_is_told_with_the_files_name_and_leaves_nothing(tmp_path: Path) -> None:
+def test_a_full_disk_is_reported_with_the_files_name_and_leaves_nothing(tmp_path: Path) -> None:
     path = tmp_path / "recording.bin"
     with full_disk(), pytest.raises(OSError, match=r"recording\.bin'") as error:
         record_much(path)
@@ -72,7 +72,7 @@ def test_a_file_cut_off_anywhere_is_an_error_and_never_a_crash(tmp_path: Path) -
     assert boundaries == len(RECORDS)
 
 
-def test_another_file_is_no_recording(tmp_path: Path) -> None:
+def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes(b"PK\x03\x04 something else")
     with pytest.raises(ValueError, match="not a recording"):
         Recording(tmp_path / "x")

@@ -81,7 +81,7 @@ def test_a_fault_begins_and_ends_at_its_ticks() -> None:
     assert states_of(sailing(silent), 2)[:2] == [(0, "FORMATION"), (1, "FAULT")]
 
 
-def test_a_fault_that_begins_as_another_ends_is_there_and_the_shortest_one_is_over() -> None:
+def test_faults_may_follow_each_other_and_last_at_least_a_tick() -> None:
     ends = {"kind": "bus_off", "agent": 2, "at_s": 0.5, "for_s": 0.5}
     begins = {"kind": "bus_off", "agent": 2, "at_s": 1.0, "for_s": 0.5}
     bus = [bus_up(sailing(*lines), 2) for lines in ([ends, begins], [begins, ends])]
@@ -102,7 +102,7 @@ def bus_up(one: Scenario, boat: int) -> list[tuple[int, bool]]:
     return changes
 
 
-def test_a_replay_is_heard_from_its_time_on(tmp_path: Path) -> None:
+def test_a_replay_doubles_the_traffic_from_its_time_on(tmp_path: Path) -> None:
     told = {"kind": "replay", "agent": 1, "at_s": 2.0, "value": 1.0}
     sizes: list[list[int]] = []
     for lines in ([], [told]):
@@ -153,7 +153,7 @@ def test_which_frames_are_lost_depends_only_on_the_seed(kind: str) -> None:
     assert digests[0] == digests[1] != digests[2]
 
 
-def test_a_fault_of_one_run_is_none_of_the_others() -> None:
+def test_a_fault_changes_its_own_run_only() -> None:
     line = {"kind": "own_jump", "agent": 1, "at_s": 0.5, "value": 5.0}
     alone = sail([sailing(s=2.0)], {}, digest=True)
     together = sail([sailing(line, s=2.0), sailing(s=2.0)], {}, digest=True)
@@ -161,7 +161,7 @@ def test_a_fault_of_one_run_is_none_of_the_others() -> None:
     assert digests[0] == digests[2] != digests[1]
 
 
-def test_a_noisy_unit_is_so_much_noisier(tmp_path: Path) -> None:
+def test_own_noisy_multiplies_the_units_noise(tmp_path: Path) -> None:
     line = {"kind": "own_noisy", "agent": 2, "at_s": 10.0, "value": 10.0}
     file = tmp_path / "recording.bin"
     (run,) = sail([sailing(line, s=20.0)], {}, record=file)
@@ -197,7 +197,7 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("wrong", "words"), MISTAKES)
-def test_mistakes_are_told_with_their_key(wrong: dict[str, Any], words: str) -> None:
+def test_mistakes_are_reported_with_their_key(wrong: dict[str, Any], words: str) -> None:
     line = {"kind": "own_silent", "agent": 1, "at_s": 2.0, **wrong}
     with pytest.raises(ScenarioError) as error:
         sailing(line)
@@ -229,7 +229,7 @@ def test_a_fault_does_not_happen_twice_at_a_time(changes: dict[str, Any], words:
         sailing(line, {**line, **changes})
 
 
-def test_only_what_is_noisy_can_be_noisier() -> None:
+def test_own_noisy_needs_a_unit_with_noise() -> None:
     line = {"kind": "own_noisy", "agent": 1, "at_s": 2.0, "value": 10.0}
     quiet = [f"navigation.{name}=0.0" for name in ("position_noise_m", "heading_noise_rad")]
     quiet += [f"navigation.{name}=0.0" for name in ("velocity_noise_mps", "yaw_rate_noise_radps")]
@@ -237,7 +237,7 @@ def test_only_what_is_noisy_can_be_noisier() -> None:
         sailing(line, overrides=quiet)
 
 
-def test_a_ground_station_is_there_for_whom_waits_for_it_and_falls_silent(tmp_path: Path) -> None:
+def test_gcs_silent_interrupts_the_ground_stations_heartbeats(tmp_path: Path) -> None:
     line = {"kind": "gcs_silent", "agent": 1, "at_s": 2.0, "for_s": 2.5}
     waits = "parameters.FS_GCS_S=60.0"
     file = tmp_path / "recording.bin"

@@ -64,7 +64,7 @@ def test_two_different_boats_sail_as_the_adaptive_integrator_says() -> None:
         np.testing.assert_allclose(sailed[i], expected, rtol=0.0, atol=1e-7)
 
 
-def test_half_the_step_leaves_a_sixteenth_of_the_error() -> None:
+def test_the_integration_error_is_of_fourth_order() -> None:
     expected = exact(NOMINAL, 4.0, START[0], SPEED[0], DISTURBANCE[0])
     errors = [
         np.linalg.norm(sail(h, 4.0, START[:1], SPEED[:1], DISTURBANCE[:1])[0] - expected)

@@ -143,7 +143,7 @@ def test_a_current_moves_a_boat_as_a_moving_frame_does() -> None:
     np.testing.assert_allclose(seen, drifted, atol=1e-6)
 
 
-def test_drifting_sea_hull_only_loses_energy_whatever_it_does() -> None:
+def test_drifting_sea_hull_loses_energy_at_the_rate_of_its_drag() -> None:
     mass = np.diag([SEA.m11, SEA.m22, SEA.m33])
     mass[1, 2] = mass[2, 1] = SEA.m23
     rng = np.random.default_rng(5)
@@ -163,7 +163,7 @@ def test_hull_without_valid_inertia_is_refused() -> None:
         hull.stack([HullParameters(85, 162, 41, 1, 1, 1, m23=90.0)])
 
 
-def test_mismatch_stays_in_its_bounds_and_fills_them_and_repeats() -> None:
+def test_mismatch_is_uniform_within_its_bounds_and_repeats_with_its_seed() -> None:
     rng = np.random.default_rng(1)
     boats = [hull.mismatched(SEA, 0.5, rng) for _ in range(2000)]
     factors = np.array([astuple(boat)[:6] for boat in boats]) / astuple(SEA)[:6]

@@ -40,7 +40,7 @@ def summary(*boats: BoatSummary, separation_m: float | None = 1.18, hull_m: floa
     }
 
 
-def test_good_run_says_when_how_well_and_how_near() -> None:
+def test_headline_of_a_good_run_has_settling_time_error_and_separation() -> None:
     found = headline.of_run(summary(boat(1, settling_time_s=12.0), boat(2)))
     assert found.level == "good"
     settled = "2 of 2 in their slots after 60 s; worst 0.2 mm in the last third"
@@ -85,7 +85,7 @@ def test_boat_that_is_nowhere_is_bad(lost: float) -> None:
     assert found.text.endswith("; boat 2 is beyond all bounds")
 
 
-def test_campaign_tells_how_its_runs_ended() -> None:
+def test_campaign_headline_counts_how_its_runs_ended() -> None:
     good = headline.Ended(runs=20, settled=20, near=0, diverged=0, failed=0, hull_m=1.0)
     assert headline.of_campaign(good) == (
         "good",

@@ -87,7 +87,7 @@ def test_page_carries_the_replay_of_the_run(folder: Path) -> None:
     assert shown == pytest.approx(wanted, abs=1e-5)
 
 
-def test_report_without_the_plot_library_says_so_and_has_all_else(
+def test_report_without_the_plot_library_lacks_only_the_replay(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing() -> str:
@@ -100,7 +100,7 @@ def test_report_without_the_plot_library_says_so_and_has_all_else(
     assert "No replay here: no chart.min.js." in text and "<h1>pair &amp; co</h1>" in text
 
 
-def test_page_says_what_was_sailed_and_how_to_repeat_it(folder: Path) -> None:
+def test_page_names_the_run_and_the_command_to_repeat_it(folder: Path) -> None:
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "<h1>pair &amp; co</h1>" in page
     assert "flotilla run pair --seed 7 --set &#x27;boat.1.eta=[0, 0, 0]&#x27;" in page

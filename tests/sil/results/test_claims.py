@@ -10,7 +10,7 @@ from sil.scenario import scenario
 SHARED = ("SR_STATE", "THR_SLEW", "THR_FWD_MAX", "THR_REV_MAX")
 
 
-def test_products_settings_are_the_firmwares_defaults_and_propellers_give_what_it_expects() -> None:
+def test_product_is_sailed_with_the_firmwares_defaults_and_their_propellers() -> None:
     defaults = flotilla.Boat({}, links=1).parameters()
     sailed = scenario.load("diamond", DEFAULTS, "product")
     for name in SHARED:
@@ -20,7 +20,7 @@ def test_products_settings_are_the_firmwares_defaults_and_propellers_give_what_i
     assert sailed.navigation.rate_hz == 10.0
 
 
-def test_a_row_differs_from_the_defaults_only_in_what_it_is_about() -> None:
+def test_a_row_differs_from_the_defaults_only_where_it_is_meant_to() -> None:
     defaults = flotilla.Boat({}, links=1).parameters()
     found = {}
     for name, claim in CLAIMS.items():

@@ -150,7 +150,7 @@ def test_other_scalar_is_sailed_beside_float_and_nothing_is_written(
     assert files(tmp_path) == NAMES
 
 
-def test_missed_bound_and_failed_run_are_told_by_the_exit_status_and_lose_nothing(
+def test_missed_bound_or_failed_run_ends_with_status_1_and_the_rest_is_written(
     sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def missed(job: Job) -> Outcome:

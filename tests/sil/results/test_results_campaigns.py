@@ -12,7 +12,7 @@ from tests.sil.campaign.made_up import Made
 from tests.turns import some
 
 
-def test_page_has_a_line_a_boat_and_tells_what_diverged(tmp_path: Path) -> None:
+def test_page_has_a_line_for_each_boat_and_counts_diverged_runs(tmp_path: Path) -> None:
     paper = finished.read(Made(boats=2, gain=2.0, scenario="one").write(tmp_path / "one"))
     product = finished.read(Made(boats=2, diverged=(3,), scenario="two").write(tmp_path / "two"))
     told = [results_campaigns.told(campaign) for campaign in (paper, product)]

@@ -88,9 +88,7 @@ def test_one_failed_seed_fails_the_scenario() -> None:
         (None, "failed"),
     ],
 )
-def test_figure_is_told_with_as_many_digits_as_mean_something(
-    figure: float | None, told: str
-) -> None:
+def test_figure_is_printed_with_its_significant_digits(figure: float | None, told: str) -> None:
     (row,) = results_table.rows(outcomes("straight", [figure], [0.02]))
     assert row.cells[2] == told
 
@@ -103,7 +101,7 @@ def page_of(text: str, rows: Sequence[PublishedBound]) -> str:
     return results_table.between(text, BEGIN, results_table.for_page(rows))
 
 
-def test_page_has_a_line_a_bound_and_a_picture_a_scenario_between_its_marks() -> None:
+def test_page_has_a_line_for_each_bound_and_a_picture_for_each_scenario_between_its_marks() -> None:
     page = page_of(f"before\n{BEGIN}old\n{END}\nafter\n", made_up_table())
     before, _, rest = page.partition(BEGIN)
     table, _, after = rest.partition(END)
@@ -119,7 +117,7 @@ def test_page_has_a_line_a_bound_and_a_picture_a_scenario_between_its_marks() ->
     assert pictures == ["../results/diamond.png)", "../results/sea.png)"]
 
 
-def test_what_the_root_did_is_printed_beside_what_the_boats_did_and_asks_for_nothing() -> None:
+def test_the_roots_figure_is_printed_beside_the_boats_and_has_no_bound() -> None:
     rows = results_table.rows(outcomes("line20", [9.0], [0.3]))
     (root,) = (row for row in rows if row.bound.key == "roots_yaw_rate_radps")
     assert root.cells[1:] == ["the root's", "9.00 rad/s", "0.300 rad/s", "–", ""]
@@ -152,7 +150,7 @@ def wanted(page: str) -> list[list[str]]:
     return [[*cells[:2], cells[4]] for cells in lines if len(cells) == len(COLUMNS)]
 
 
-def test_terminal_shows_every_bound_and_what_was_missed() -> None:
+def test_terminal_shows_every_bound_and_marks_the_missed_one() -> None:
     console = Console(width=100, file=io.StringIO(), record=True)
     console.print(results_table.for_terminal(made_up_table()))
     text = console.export_text()

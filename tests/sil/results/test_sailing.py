@@ -56,12 +56,12 @@ def test_run_beside_others_is_the_run_alone(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_run_that_fails_says_why(outcomes: list[Outcome]) -> None:
+def test_failed_run_has_its_reason(outcomes: list[Outcome]) -> None:
     assert "must be greater than 0" in outcomes[1].failure
     assert str(outcomes[1].job) == "diamond, product"
 
 
-def test_run_that_kills_its_process_is_told_and_loses_no_other(outcomes: list[Outcome]) -> None:
+def test_run_that_kills_its_process_is_reported_and_loses_no_other(outcomes: list[Outcome]) -> None:
     assert outcomes[2].failure == "the process died"
     assert [bool(outcome.failure) for outcome in outcomes] == [False, True, True, False, False]
 

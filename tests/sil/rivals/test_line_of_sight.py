@@ -88,7 +88,7 @@ def test_thrust_is_limited_and_yaw_comes_first() -> None:
     assert allocate(HULL, 1000.0, -1000.0) == (-20.0, 20.0)
 
 
-def test_a_follower_carries_on_what_it_heard() -> None:
+def test_a_follower_extrapolates_its_leaders_last_message() -> None:
     heard = rover.Heard(0.1, lambda: False, 0.1)
     target = heard.follow((-3.0, 1.0))
     heard.say(Seen(1.0, 10.0, 5.0, math.pi / 2, 0.5, 0.0, 0.0))
@@ -99,7 +99,7 @@ def test_a_follower_carries_on_what_it_heard() -> None:
     assert (late.vx, late.vy) == pytest.approx((0.0, 0.5))
 
 
-def test_a_lost_message_is_not_heard() -> None:
+def test_a_lost_message_is_not_received() -> None:
     heard = rover.Heard(0.0, lambda: True, 0.1)
     heard.say(Seen(1.0, 10.0, 5.0, 0.0, 0.5, 0.0, 0.0))
     assert heard.follow((0.0, 0.0))(Seen(2.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0)).x == 1.0

@@ -82,6 +82,6 @@ def test_a_boat_that_never_arrives_has_no_speed() -> None:
     assert it.speed == 0.0 and rival_table.cell(it).endswith("lost")
 
 
-def test_cells_tell_what_there_is() -> None:
+def test_a_cell_leaves_out_a_figure_that_is_nan() -> None:
     assert rival_table.cell(Figures(0.031, 0.204, 0.996, 0.068)) == "0.03 / 0.20; 100 %; 0.07"
     assert rival_table.cell(Figures(0.031, 0.204, 0.996, float("nan"))) == "0.03 / 0.20; 100 %"

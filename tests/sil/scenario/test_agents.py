@@ -28,7 +28,7 @@ TREES = {
 
 
 @pytest.mark.parametrize("follows", TREES.values(), ids=TREES.keys())
-def test_a_receiver_tells_apart_several_boats_of_a_thousand(follows: list[int]) -> None:
+def test_all_boats_that_one_receiver_hears_have_different_ids(follows: list[int]) -> None:
     systems = systems_of(fleet(*follows))
     if 100 in follows:
         assert systems[:100] == [100, *range(1, 100)]
@@ -49,7 +49,7 @@ def test_more_followers_than_ids_still_know_their_leader() -> None:
     assert set(systems[2:]) == set(range(1, 251)) - {1, 100}
 
 
-def test_the_firmware_is_told_the_id_of_its_leader() -> None:
+def test_form_leader_is_the_system_id_of_the_leader() -> None:
     behind = [i // 2 for i in range(1000)]
     chosen = fleet(*behind)
     systems = systems_of(chosen)

@@ -86,13 +86,13 @@ def test_papers_law_takes_no_extension_from_a_hull(how: str, tmp_path: Path) -> 
         ('base = "diamond"\nhull = "../hulls/otter"\n', 'unknown hull "../hulls/otter"'),
     ],
 )
-def test_hull_that_there_is_not_is_told_with_its_line(text: str, said: str, tmp_path: Path) -> None:
+def test_unknown_hull_is_reported_with_its_line(text: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(ScenarioError) as told:
         written(tmp_path, text)
     assert said in str(told.value)
 
 
-def test_override_of_an_unknown_hull_is_told() -> None:
+def test_override_with_an_unknown_hull_is_refused() -> None:
     with pytest.raises(ScenarioError, match='did you mean "wamv"'):
         load("diamond", ["boat.2.hull=wamw"])
     with pytest.raises(ScenarioError, match="override"):

@@ -59,7 +59,7 @@ def test_the_papers_law_has_its_gains_and_none_of_the_firmwares_extensions() -> 
     assert known == set(PAPER), "a law that does not say all of it"
 
 
-def test_the_products_law_is_what_the_firmware_does_by_itself() -> None:
+def test_the_products_law_sets_no_parameters() -> None:
     assert law.parameters("product") == {}
 
 
@@ -112,7 +112,7 @@ def test_another_law_keeps_the_gains_of_each_size_of_boat() -> None:
 
 
 @pytest.mark.parametrize("text", ["parameters = 3", "boat = 3", "boat = [3]", "parameters = []"])
-def test_a_file_that_is_wrong_is_told_so_with_another_law_too(tmp_path: Path, text: str) -> None:
+def test_a_mistake_in_the_file_is_reported_with_another_law_too(tmp_path: Path, text: str) -> None:
     path = tmp_path / "wrong.toml"
     path.write_text(f"duration_s = 1\n{text}\n", encoding="utf-8")
     with pytest.raises(scenario.ScenarioError, match=r"wrong.toml:2"):
@@ -128,7 +128,7 @@ def test_the_command_line_knows_two_laws(
     assert "product" in said and "paper" in said
 
 
-def test_the_command_line_sails_the_law_it_is_told(tmp_path: Path) -> None:
+def test_the_command_line_sails_the_law_that_it_names(tmp_path: Path) -> None:
     arguments = ["run", "turning", "--law", "product", "--set", "duration_s=1"]
     assert main([*arguments, "--param", "LAW_KPSI=0.4", "--out", str(tmp_path)]) == 0
     sailed = Recording(tmp_path / "recording.bin").header["boats"][0]["parameters"]

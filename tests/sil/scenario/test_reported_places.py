@@ -15,13 +15,13 @@ ETA = np.array([[10.0, -20.0, 0.5], [1000.0, 500.0, -2.0], [-300.0, 40.0, 3.0]])
 LOCAL = Settings(100.0)
 
 
-def test_units_in_the_frame_of_the_world_tell_the_world_as_it_is() -> None:
+def test_units_in_the_worlds_frame_report_the_poses_of_the_world() -> None:
     told = Told([LOCAL, Settings(10.0, "odometry"), LOCAL])
     assert told.poses(ETA) is ETA
     assert told.degE7 is None and told.origins == [ORIGIN] * 3
 
 
-def test_a_unit_with_an_origin_of_its_own_tells_how_far_it_is_from_there() -> None:
+def test_a_unit_with_its_own_origin_reports_positions_relative_to_it() -> None:
     told = Told([LOCAL, LOCAL._replace(origin_m=(900.0, 450.0)), LOCAL])
     eta = told.poses(ETA)
     assert (eta[[0, 2]] == ETA[[0, 2]]).all()
@@ -32,7 +32,7 @@ def test_a_unit_with_an_origin_of_its_own_tells_how_far_it_is_from_there() -> No
 
 
 @pytest.mark.parametrize("message", ["global", "follow_target"])
-def test_a_unit_on_the_globe_tells_latitude_longitude_and_true_heading(message: Any) -> None:
+def test_a_global_unit_reports_latitude_longitude_and_true_heading(message: Any) -> None:
     told = Told([LOCAL, Settings(10.0, message), LOCAL])
     for shift_m in (0.0, 111.3):
         eta = ETA + np.array([shift_m, 0.0, 0.0])

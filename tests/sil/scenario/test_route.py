@@ -120,7 +120,9 @@ def test_waypoints_take_the_place_of_the_input_of_a_base(tmp_path: Path) -> None
         ),
     ],
 )
-def test_mistakes_are_told_with_their_place(tmp_path: Path, was: str, now: str, said: str) -> None:
+def test_mistakes_are_reported_with_their_place(
+    tmp_path: Path, was: str, now: str, said: str
+) -> None:
     assert was in SQUARE
     told = complaint(tmp_path, SQUARE.replace(was, now))
     assert told.startswith("square.toml:")

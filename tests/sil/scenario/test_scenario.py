@@ -248,7 +248,7 @@ def test_a_word_of_an_override_may_do_without_quotation_marks(value: str) -> Non
         ("m11 = 2.0", "m11 = [2.0", "pair.toml:23: not TOML: "),
     ],
 )
-def test_mistake_in_the_file_is_told_by_line_and_key(
+def test_mistake_in_the_file_is_reported_by_line_and_key(
     tmp_path: Path, line: str, new: str, told: str
 ) -> None:
     assert told in complaint(tmp_path, changed(line, new))
@@ -265,7 +265,7 @@ def test_mistake_in_the_file_is_told_by_line_and_key(
         ("[boat.2]", "[[boat]]", '"boat": [formation] creates the boats; use [boat.2]'),
     ],
 )
-def test_mistake_beside_a_formation_is_told_by_line_and_key(
+def test_mistake_beside_a_formation_is_reported_by_line_and_key(
     tmp_path: Path, line: str, new: str, told: str
 ) -> None:
     assert SHAPED.count(line) == 1
@@ -315,7 +315,7 @@ def test_a_scenario_over_a_base_is_the_base_but_for_its_own_keys(tmp_path: Path)
     assert load(written(tmp_path, OVER_DIAMOND), ["boat.2.eta.1=7"]).boat[1].eta == (7, 2, 3)
 
 
-def test_units_say_what_the_boats_units_say_but_for_their_own_keys(tmp_path: Path) -> None:
+def test_units_have_the_boats_settings_except_for_their_own_keys(tmp_path: Path) -> None:
     own = load(written(tmp_path, OVER_DIAMOND), ["navigation.message='odometry'"])
     assert own.leader_unit() == Settings(100.0, "global")
     assert own.boat_unit(own.boat[0]) == Settings(100.0, "odometry")
@@ -360,14 +360,14 @@ def test_units_say_what_the_boats_units_say_but_for_their_own_keys(tmp_path: Pat
         ),
     ],
 )
-def test_mistake_over_a_base_is_told_by_line_and_key(
+def test_mistake_over_a_base_is_reported_by_line_and_key(
     tmp_path: Path, line: str, new: str, told: str
 ) -> None:
     assert OVER_DIAMOND.count(f"{line}\n") == 1
     assert told in complaint(tmp_path, OVER_DIAMOND.replace(line, new))
 
 
-def test_mistake_that_only_the_base_can_have_made_is_told_in_the_base(tmp_path: Path) -> None:
+def test_mistake_in_a_key_of_the_base_is_reported_in_the_base(tmp_path: Path) -> None:
     text = complaint(tmp_path, 'base = "diamond"\nrate_hz = 50\n')
     assert re.search(
         r'diamond\.toml:\d+: "navigation\.rate_hz" = 100\.0: must be at most rate_hz', text
@@ -393,14 +393,14 @@ def test_mistake_that_only_the_base_can_have_made_is_told_in_the_base(tmp_path: 
         ("seed=1\nrate_hz=60", "must be KEY=VALUE"),
     ],
 )
-def test_mistake_in_an_override_is_told_by_the_override(
+def test_mistake_in_an_override_is_reported_by_the_override(
     tmp_path: Path, override: str, told: str
 ) -> None:
     text = complaint(tmp_path, TWO_BOATS, "link.delay_s=0.1", override)
     assert text.startswith(f'override "{override}": ') and told in text
 
 
-def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
+def test_all_mistakes_are_reported_at_once(tmp_path: Path) -> None:
     text = complaint(tmp_path, changed("loss = 0.1", "loss = 2").replace("m11 = 2.0", "m11 = 0"))
     assert [line.split(": ")[0] for line in text.splitlines()] == ["pair.toml:10", "pair.toml:23"]
 
@@ -410,7 +410,7 @@ def test_fleet_without_boats_is_refused(tmp_path: Path) -> None:
     assert text.startswith('override "boat=[]"') and "at least 1" in text
 
 
-def test_unknown_name_is_answered_with_the_names_there_are() -> None:
+def test_unknown_name_is_answered_with_the_existing_names() -> None:
     with pytest.raises(ScenarioError, match=r'unknown scenario "dimond"; did you mean "diamond"?'):
         load("dimond")
 

@@ -89,7 +89,7 @@ def test_runs_repeat_bit_for_bit_alone_or_together() -> None:
     assert alone.digest == both[0].digest != both[1].digest
 
 
-def test_a_plan_that_the_boat_refuses_is_told() -> None:
+def test_a_plan_that_the_boat_refuses_ends_the_run_with_its_reason() -> None:
     one = load("lead", [*FAST, "leader.speed_mps=6.0"])
     (error,) = sail([one], {})
     assert isinstance(error, StartError)
@@ -105,7 +105,7 @@ def test_a_plan_that_the_boat_refuses_is_told() -> None:
         (['fault=[{kind="clock", agent=0, at_s=1.0, value=1.0}]'], "there is no agent 0"),
     ],
 )
-def test_contradictions_are_told(overrides: list[str], told: str) -> None:
+def test_contradictions_are_reported(overrides: list[str], told: str) -> None:
     with pytest.raises(ScenarioError, match=r"leader|offset|agent") as caught:
         load("lead", overrides)
     assert told in str(caught.value)
