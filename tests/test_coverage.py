@@ -33,7 +33,7 @@ def test_coverage_at_its_limits_passes() -> None:
         ("app", covered(95, 89), "app: branches 89.0 %"),
     ],
 )
-def test_less_coverage_than_its_limit_is_told(room: str, one: Coverage, words: str) -> None:
+def test_coverage_below_its_limit_is_reported(room: str, one: Coverage, words: str) -> None:
     (sentence,) = failures(files(**{room: one}))
     assert words in sentence
 

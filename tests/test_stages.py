@@ -54,7 +54,7 @@ def test_a_stage_that_runs_no_test_fails(capsys: pytest.CaptureFixture[str]) -> 
 
 
 @pytest.mark.parametrize("no_skip", [False, True])
-def test_a_missing_vcan_is_told_and_fails_a_run_that_may_not_skip(
+def test_a_missing_vcan_is_reported_and_fails_a_run_that_may_not_skip(
     capsys: pytest.CaptureFixture[str], *, no_skip: bool
 ) -> None:
     vcan = Stage("vcan", ("echo no vcan here; exit 77",), tests=True)
@@ -65,7 +65,7 @@ def test_a_missing_vcan_is_told_and_fails_a_run_that_may_not_skip(
 
 
 @pytest.mark.parametrize("no_skip", [False, True])
-def test_a_skipped_test_is_told_with_its_reason(
+def test_a_skipped_test_is_reported_with_its_reason(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, *, no_skip: bool
 ) -> None:
     assert ended([reporting(tmp_path, "no browser")], no_skip=no_skip) == no_skip
@@ -135,7 +135,7 @@ def test_every_stage_comes_after_those_that_it_needs(words: list[str]) -> None:
     assert "vcan" in seen
 
 
-def test_a_stage_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_stage_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         stages.arguments(["--only", "nonsense"])
     assert "choose from lint, release, vcan" in capsys.readouterr().err

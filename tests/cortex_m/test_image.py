@@ -55,7 +55,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
 
 
 @pytest.mark.parametrize("boat", [0, 2])
-def test_the_microcontroller_says_the_same_to_the_last_bit(recording: Recording, boat: int) -> None:
+def test_the_microcontroller_sends_the_same_bytes(recording: Recording, boat: int) -> None:
     stream, here = stream_of(recording, boat, 4.0)
     said = play(stream)
     assert int(said["ticks"]) == 401 and int(said["ticks_driving"]) > 90
@@ -65,19 +65,19 @@ def test_the_microcontroller_says_the_same_to_the_last_bit(recording: Recording,
 @pytest.mark.nightly
 @pytest.mark.usefixtures("arm64")
 @pytest.mark.parametrize("boat", [0, 2])
-def test_64_bit_arm_says_the_same_to_the_last_bit(recording: Recording, boat: int) -> None:
+def test_64_bit_arm_sends_the_same_bytes(recording: Recording, boat: int) -> None:
     stream, here = stream_of(recording, boat, 4.0)
     assert play_arm64(stream)["digest"] == here
 
 
 @pytest.mark.nightly
 @pytest.mark.usefixtures("arm64")
-def test_a_boat_in_floating_point_says_something_else(recording: Recording, tmp_path: Path) -> None:
+def test_a_floating_point_boat_has_another_digest(recording: Recording, tmp_path: Path) -> None:
     stream, here = stream_of(sailed("float", tmp_path / "recording.bin"), 0, 4.0)
     assert play_arm64(stream)["digest"] != here
 
 
-def test_a_boat_to_which_no_message_comes_whole_says_something_else(recording: Recording) -> None:
+def test_the_digest_changes_when_every_message_is_damaged(recording: Recording) -> None:
     stream, here = stream_of(recording, 0, 1.0)
     first = 12 + int.from_bytes(stream[10:12], "little")
     deaf = stream[:first] + stream[first:].replace(b"\xfd", b"\xfc")

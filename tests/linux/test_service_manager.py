@@ -83,7 +83,7 @@ def state(pid: int) -> str:
     return next(line for line in lines if line.startswith("State:"))
 
 
-def test_real_time_and_locked_memory_that_are_refused_are_said_and_no_more(
+def test_a_boat_without_real_time_and_locked_memory_reports_it_and_sails(
     sea: RealSea,
 ) -> None:
     prefix = ["prlimit", "--rtprio=0", "--memlock=0"]

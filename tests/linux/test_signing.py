@@ -129,7 +129,7 @@ def test_a_key_that_others_may_read_is_refused(bus: int, tmp_path: Path, key: Pa
     assert not (tmp_path / "signing_time.txt").exists()
 
 
-def test_the_time_is_there_at_once_and_after_the_end(
+def test_the_signing_time_is_stored_at_once_and_at_the_end(
     sea: RealSea, key: Path, stamp_file: Path
 ) -> None:
     before = clock()
@@ -161,7 +161,7 @@ def test_time_does_not_go_back_over_a_restart_even_where_the_clock_did(
     assert stamp(stamp_file) >= ahead
 
 
-def test_a_damaged_time_is_said_and_the_clock_taken(
+def test_a_damaged_stored_time_is_reported_and_the_clock_used(
     sea: RealSea, key: Path, stamp_file: Path
 ) -> None:
     start(sea, key)

@@ -4,7 +4,7 @@
 from tests.linux.process import RealSea
 
 
-def test_a_switch_that_cannot_be_read_counts_as_pressed_and_is_told(sea: RealSea) -> None:
+def test_an_unreadable_switch_counts_as_pressed_and_is_reported(sea: RealSea) -> None:
     sea.start("--stop-gpio=gpiochip250:7")
     words = "stop switch gpiochip250: No such file or directory, counts as pressed"
     sea.until(lambda: words in sea.process.words)

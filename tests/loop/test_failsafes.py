@@ -10,7 +10,7 @@ def test_boats_that_lose_something_at_any_instant_end_as_their_parameters_say() 
     assert {"LOITER", "RTL", "HOLD"} <= {name for one in ended for name in one.names}
 
 
-def test_a_loss_that_strikes_nobody_is_seen() -> None:
+def test_the_judge_notices_a_run_without_its_fault() -> None:
     """The judge's own test: without the fault the boats do not end where they should."""
     one = next(draw(seed) for seed in range(1, 100) if draw(seed).loss == "battery")
     assert one.scenario.fault

@@ -9,5 +9,5 @@ def test_no_boat_is_driven_by_states_that_are_older_than_the_limit() -> None:
     assert sum(one.driven_s > 0.0 for one in ended) >= 8
 
 
-def test_where_the_operator_is_wrong_about_the_latency_the_harness_sees_it() -> None:
+def test_a_wrong_known_latency_breaks_the_rule() -> None:
     assert any(sailed(seed, answers=False).broke for seed in range(1, 11))

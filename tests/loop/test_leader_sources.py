@@ -18,7 +18,7 @@ from tests.loop.objects import ObjectWorld
 
 
 @pytest.mark.parametrize("name", ["leader_global", "leader_follow_target", "leader_far_origin"])
-def test_the_formation_closes_up_behind_a_leader_that_tells_another_state(
+def test_the_formation_closes_up_behind_a_leader_that_sends_other_messages(
     sail: Sail, name: str
 ) -> None:
     run = sail(name)
@@ -35,7 +35,7 @@ def test_the_formation_closes_up_behind_a_leader_that_tells_another_state(
         ["message='follow_target'", "rate_hz=10"],
     ],
 )
-def test_boats_whose_own_units_tell_global_positions_keep_the_formation(
+def test_boats_with_units_that_send_global_positions_keep_the_formation(
     sail: Sail, unit: Sequence[str]
 ) -> None:
     run = sail("diamond", "duration_s=80", *(f"navigation.{key}" for key in unit))
@@ -104,7 +104,7 @@ def odometry(frame: int, now_us: int, x: float) -> bytes:
     "frame",
     few([mavlink.MAV_FRAME_LOCAL_FRD, mavlink.MAV_FRAME_LOCAL_FLU], [mavlink.MAV_FRAME_LOCAL_FRD]),
 )
-def test_odometry_without_north_is_refused_as_a_pose_and_said(frame: int) -> None:
+def test_odometry_without_north_is_refused_as_a_pose_and_reported(frame: int) -> None:
     world = ObjectWorld(scenario.load("diamond", ["duration_s=12"]))
     leader, boat = world.leader, world.boats[0]
     unit, said = leader._unit, b""

@@ -42,7 +42,7 @@ def texts(runs: Sequence[Learnt]) -> list[str]:
     ],
     ids=lambda case: f"{case.fleet}, {case.what}",
 )
-def test_every_boat_tells_the_number_that_is_wrong_and_no_other(case: Wrong) -> None:
+def test_every_boat_reports_the_wrong_parameter_and_no_other(case: Wrong) -> None:
     runs = learnt(case.fleet, case.changes, 5.0)
     row = learning.judged(case, runs)
     assert (row.found, row.others) == (1.0, 0), texts(runs)
@@ -51,7 +51,7 @@ def test_every_boat_tells_the_number_that_is_wrong_and_no_other(case: Wrong) -> 
 
 
 @pytest.mark.parametrize("fleet", few(["noisy", "sea", "windy"], ["windy"]))
-def test_boats_that_are_as_they_are_told_tell_nothing(fleet: str) -> None:
+def test_boats_with_correct_parameters_report_nothing(fleet: str) -> None:
     assert not texts(learnt(fleet, (), 5.0))
 
 
@@ -62,7 +62,7 @@ def test_boats_that_are_as_they_are_told_tell_nothing(fleet: str) -> None:
         [("blueboat", 5.0)],
     ),
 )
-def test_hulls_with_their_own_numbers_accuse_none_of_them(fleet: str, minutes: float) -> None:
+def test_correct_parameters_are_reported_on_no_hull(fleet: str, minutes: float) -> None:
     told = texts(learnt(fleet, (), minutes))
     # a BlueBoat's propellers differ, and its parameters do not know it
     assert [text for text in told if "THR_BALANCE" not in text] == []
@@ -75,7 +75,7 @@ def test_a_drag_that_is_wrong_is_found_on_every_hull(hull: str) -> None:
     assert learning.judged(case, runs).found == 1.0, texts(runs)
 
 
-def test_a_text_names_propeller_share_time_and_what_to_set() -> None:
+def test_a_text_names_propeller_share_time_and_parameter_to_set() -> None:
     case = learning.weak("noisy", 0.88, 1.0)
     first = texts(learnt(case.fleet, case.changes, 5.0))[0]
     # the boats' clocks do not know the time of day

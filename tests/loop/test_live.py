@@ -65,14 +65,14 @@ def states_after_release(boat: dict[str, Any]) -> list[str]:
     return [state for _, state in states]
 
 
-def test_a_live_run_leaves_what_a_lockstep_run_leaves_but_a_digest(live: Path) -> None:
+def test_a_live_run_leaves_all_that_a_lockstep_run_leaves_but_the_digest(live: Path) -> None:
     summary = json.loads((live / "summary.json").read_text(encoding="utf-8"))
     assert summary["digest"] is None
     assert [boat["states"].keys() for boat in summary["boats"]] == [{"FORMATION"}] * 4
     assert (live / "report.html").exists()
 
 
-def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
+def test_a_live_run_is_played_back_with_its_boats_telemetry(live: Path) -> None:
     history = history_of_run(live)
     t_s = numbers(history["t_s"])
     for boat in some(history["vessels"][1:]):
@@ -103,7 +103,7 @@ class LeaderFallsSilent(LiveWorld):
         return super().run(program, out, silencing)
 
 
-def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
+def test_a_boat_that_coasts_in_a_live_run_coasts_in_the_replay(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sil.live.live_world.LiveWorld", LeaderFallsSilent)
@@ -185,7 +185,7 @@ def test_boat_i_takes_the_next_bus() -> None:
 
 
 @pytest.mark.parametrize("bus", ["", "mcast", "mcast:", "mcast:x", "vcan0", "socketcan:can", "x:0"])
-def test_an_invalid_bus_is_told(
+def test_an_invalid_bus_is_refused(
     bus: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     assert main(["live", "diamond", "--bus", bus, "--out", str(tmp_path)]) == 2

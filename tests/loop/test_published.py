@@ -189,7 +189,7 @@ def check_picture(name: str, now: bytes) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", CLAIMS)
-def test_picture_of_a_scenario_shows_what_is_sailed(name: str) -> None:
+def test_picture_of_a_scenario_matches_the_run(name: str) -> None:
     picture = results.picture(name, [sailed(job) for job in BY_JOB if job.scenario == name])
     assert picture is not None
     check_picture(name, picture)
@@ -197,7 +197,7 @@ def test_picture_of_a_scenario_shows_what_is_sailed(name: str) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", CAMPAIGNS)
-def test_picture_of_the_monte_carlo_shows_what_is_sailed(
+def test_picture_of_the_monte_carlo_matches_the_runs(
     campaigns: dict[str, Campaign], name: str
 ) -> None:
     check_picture(name, results_campaigns.picture(campaigns[name]))

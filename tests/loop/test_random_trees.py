@@ -15,7 +15,7 @@ MUST_NOT_BE = {"driven astray", "spinning"}
 @pytest.mark.parametrize(
     "runs", [range(8), pytest.param(range(200), marks=pytest.mark.nightly)], ids=str
 )
-def test_of_random_trees_nearly_all_end_in_their_slots_and_no_boat_is_driven_astray(
+def test_nearly_all_random_trees_end_in_their_slots_and_none_ends_astray(
     runs: range, tmp_path: Path
 ) -> None:
     found = ends({number: draw(number, tmp_path) for number in runs})
@@ -27,7 +27,7 @@ def test_of_random_trees_nearly_all_end_in_their_slots_and_no_boat_is_driven_ast
 @pytest.mark.parametrize(
     "runs", [range(5, 6), pytest.param(range(1, 60), marks=pytest.mark.nightly)], ids=str
 )
-def test_the_certificate_passes_most_random_trees_and_those_end_in_their_slots(
+def test_the_certificate_passes_most_random_trees_and_they_end_in_their_slots(
     runs: range, tmp_path: Path
 ) -> None:
     drawn = {number: draw(number, tmp_path) for number in runs}

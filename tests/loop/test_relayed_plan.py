@@ -13,7 +13,7 @@ def test_twenty_boats_in_a_line_keep_their_slots_of_the_plan() -> None:
     assert it.told_Bps[0] <= 200.0, it.told_Bps
 
 
-def test_the_same_where_three_of_ten_messages_are_lost_a_hop() -> None:
+def test_nineteen_boats_keep_their_slots_though_each_hop_loses_three_of_ten_messages() -> None:
     it = sail(loss=0.3)
     assert it.well
     assert it.rms_m[:17].max() <= 0.1, it.rms_m

@@ -39,7 +39,7 @@ def test_boats_that_keep_clear_of_nobody_do_come_too_near() -> None:
     assert np.mean(np.array(closest_m) < LEAST_M) >= 0.4
 
 
-def test_boats_heard_but_twice_a_second_never_come_too_near() -> None:
+def test_boats_that_send_two_states_a_second_never_come_too_near() -> None:
     slow = ("parameters.SR_STATE=2", "parameters.FS_LEADER_S=3")
     closest_m, _ = closest_and_last_errors(12, 30, *slow)
     assert min(closest_m) > LEAST_M

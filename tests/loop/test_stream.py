@@ -9,7 +9,7 @@ from sil.scenario import scenario
 
 
 @pytest.mark.parametrize("stream_mps", [[-0.7, 0.0], [0.4, 0.0], [0.0, 0.5]])
-def test_boats_that_stand_in_a_stream_are_not_taken_for_boats_that_do_not_answer(
+def test_boats_at_rest_in_a_stream_stay_in_formation(
     stream_mps: list[float],
 ) -> None:
     still = ["duration_s=20.0", "leader.nu=[0.0, 0.0, 0.0]", "leader.input=[]"]

@@ -166,7 +166,7 @@ LIMITS = {"FS_BATT_V": 10.0, "FS_GCS_S": 2.0}
 
 
 @pytest.mark.parametrize("kind", FAULTS)
-def test_every_loss_stops_the_propellers(kind: str) -> None:
+def test_every_fault_stops_the_propellers(kind: str) -> None:
     value, within_s = FAULTS[kind]
     fault = f'fault=[{{kind="{kind}", agent=1, at_s={AHEAD_S}, value={value}}}]'
     (one,) = sail_voyages([["duration_s=85", fault]], LIMITS)
@@ -202,7 +202,7 @@ def test_sticks_take_over_and_the_voyage_goes_on_with_its_step() -> None:
     assert one.steps() == [1, 2, 2]
 
 
-def test_the_table_says_what_was_measured_and_commanded(tmp_path: Path) -> None:
+def test_the_table_has_the_measurements_and_the_commands(tmp_path: Path) -> None:
     record = tmp_path / "recording.bin"
     (one,) = sail_voyages([["duration_s=120"]], record=record)
     rows = list(own_motion.of_run(record, 1))

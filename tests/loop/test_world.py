@@ -92,7 +92,7 @@ def test_noisy_sensors_and_slow_propellers_keep_the_formation(sail: Sail) -> Non
     assert (metrics.distances(run.trace["error"])[-1] < 0.022).all()
 
 
-def test_boats_that_hear_no_leader_do_not_start_and_say_why(tmp_path: Path) -> None:
+def test_boats_that_hear_no_leader_do_not_start_and_give_the_reason(tmp_path: Path) -> None:
     deaf = scenario.load("diamond", ["link.loss=1.0"])
     with pytest.raises(StartError, match=r"boat 1: Refused: leader's state is not fresh"):
         World(deaf, {}).run(tmp_path / "recording.bin", lambda _: None)
@@ -106,7 +106,7 @@ def test_a_parameter_that_the_firmware_refuses_is_named(sail: Sail) -> None:
         sail("diamond", parameters={"LAW_K": 1.0})
 
 
-def test_the_errors_are_taken_against_the_slot_that_the_firmware_is_told(sail: Sail) -> None:
+def test_errors_are_measured_from_the_slot_in_the_firmwares_parameters(sail: Sail) -> None:
     slots = {"FORM_FRAME": 1.0, "FORM_OFS_N": -3.0, "FORM_OFS_E": 1.0}
     run = sail("diamond", "duration_s=3", parameters=slots)
     error, eta = run.trace["error"], run.trace["eta"]
@@ -142,7 +142,7 @@ def test_a_slow_navigation_unit_keeps_the_formation(sail: Sail, rate_hz: int) ->
     assert np.abs(run.trace["thrust"]).max() < 14.0
 
 
-def test_noise_and_delay_do_not_grow_from_boat_to_boat(sail: Sail) -> None:
+def test_thrust_noise_does_not_grow_from_boat_to_boat(sail: Sail) -> None:
     noise = ["position_noise_m=0.02", "velocity_noise_mps=0.02", "yaw_rate_noise_radps=0.01"]
     overrides = ["duration_s=60", "link.delay_s=0.2", *(f"navigation.{n}" for n in noise)]
     run = sail("diamond", *overrides)
@@ -202,7 +202,7 @@ HEARD_BY_ALL = [*ROUGH, "link.everyone=true", "parameters.FS_SEP_M=2.5"]
 @pytest.mark.parametrize(
     "how", [["duration_s=5"], ROUGH, [*ROUGH, "navigation.rate_hz=20"], HEARD_BY_ALL]
 )
-def test_every_byte_on_every_wire_is_that_of_the_world_of_objects(
+def test_recording_and_trace_equal_those_of_the_world_of_objects(
     tmp_path: Path, how: list[str]
 ) -> None:
     chosen = scenario.load("diamond", how)
@@ -222,7 +222,7 @@ def rough(*overrides: str) -> scenario.Scenario:
     return scenario.load("diamond", [*ROUGH, *overrides])
 
 
-def test_a_run_is_the_same_bit_for_bit_whatever_it_is_sailed_with() -> None:
+def test_a_run_beside_others_is_the_same_to_the_last_bit() -> None:
     sea = ["vessel.length_m=2", "vessel.draft_m=0.2", "vessel.hull_y_m=0.3", "waves.height_m=0.05"]
     together = [
         rough(),
@@ -245,7 +245,7 @@ def test_a_run_is_the_same_bit_for_bit_whatever_it_is_sailed_with() -> None:
     assert len(digests) == len(together)
 
 
-def test_runs_that_cannot_start_say_why_and_the_others_sail_on() -> None:
+def test_runs_that_cannot_start_give_the_reason_and_the_others_sail_on() -> None:
     deaf = scenario.load("diamond", ["link.loss=1.0", "duration_s=1"])
     wrong = scenario.load("diamond", ["parameters.LAW_KX=99", "duration_s=1"])
     well = scenario.load("diamond", ["duration_s=1"])
@@ -259,7 +259,7 @@ def test_runs_that_cannot_start_say_why_and_the_others_sail_on() -> None:
     assert first.digest == fourth.digest == alone.digest
 
 
-def test_runs_that_are_ready_at_different_times_are_each_released_at_its_own() -> None:
+def test_each_run_is_released_when_its_boats_are_ready() -> None:
     early = scenario.load("diamond", ["duration_s=2"])
     late = scenario.load(
         "diamond", ["duration_s=2", "link.delay_s=1.5", "parameters.FS_LEADER_S=5"]
@@ -271,7 +271,7 @@ def test_runs_that_are_ready_at_different_times_are_each_released_at_its_own() -
         assert run.trace["eta"].tobytes() == alone.trace["eta"].tobytes()
 
 
-def test_a_trace_that_is_kept_every_half_second_is_that_of_every_tick_there() -> None:
+def test_a_trace_kept_every_half_second_has_the_values_of_those_ticks() -> None:
     chosen = scenario.load("diamond", ["duration_s=4"])
     (whole,), (thin,) = (sail_together([chosen], {}, keep_s=keep_s) for keep_s in (None, 0.5))
     assert thin.digest is None and thin.states == whole.states
@@ -279,7 +279,7 @@ def test_a_trace_that_is_kept_every_half_second_is_that_of_every_tick_there() ->
         assert np.array_equal(thin.trace[name], array[::50]), name
 
 
-def test_a_fleet_that_no_recording_has_room_for_sails_without(tmp_path: Path) -> None:
+def test_a_fleet_of_256_boats_sails_without_a_recording(tmp_path: Path) -> None:
     short = scenario.load("diamond", ["duration_s=0.1"])
     many = short.model_copy(update={"boat": (short.boat[0],) * 256})
     run = World(many, {}).run(tmp_path / "recording.bin", lambda _: None)

@@ -13,7 +13,7 @@ CONFIG = "/persistent/flotilla/boat.toml"
 
 
 @pytest.mark.nightly
-def test_a_card_starts_flotillad_with_what_the_shared_partition_keeps(
+def test_a_card_starts_flotillad_with_the_files_of_the_shared_partition(
     package: Path, tmp_path: Path
 ) -> None:
     need("bdebstrap", "mmdebstrap", "unshare", "nsenter")

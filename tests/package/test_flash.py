@@ -101,15 +101,13 @@ def test_a_bare_computer_becomes_a_boat_that_answers(harbour: Harbour, good: Pat
     assert harbour.root.has("/var/cache/flotilla/flotillad.deb")
 
 
-def test_a_later_package_takes_its_place(harbour: Harbour, good: Path) -> None:
+def test_a_later_package_replaces_the_earlier_one(harbour: Harbour, good: Path) -> None:
     status, words = harbour.flash(newer(good, "later"))
     assert status == 0, words
     assert harbour.version().endswith("+later")
 
 
-def test_a_program_that_is_not_the_packages_version_is_taken_back(
-    harbour: Harbour, good: Path
-) -> None:
+def test_a_program_of_another_version_is_rolled_back(harbour: Harbour, good: Path) -> None:
     assert harbour.flash(good)[0] == 0
     before = harbour.version()
     wrong = newer(good, "wrong", flotillad='#!/bin/sh\necho "flotillad 0.0 (00000000)"\n')

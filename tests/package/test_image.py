@@ -138,7 +138,7 @@ def test_a_boat_sails_in_the_container(image: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-def test_the_page_shows_what_flotillad_says_and_blueos_finds_it(
+def test_the_page_shows_flotillads_messages_and_blueos_finds_it(
     image: Path, tmp_path: Path
 ) -> None:
     bundle = Bundle(image, tmp_path)

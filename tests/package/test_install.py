@@ -68,7 +68,7 @@ def test_the_bit_rate_of_can0_is_dronecans(root: Root, package: Path) -> None:
 
 
 @pytest.mark.nightly
-def test_an_upgrade_keeps_what_the_operator_wrote_and_saved(
+def test_an_upgrade_keeps_the_operators_configuration_and_parameters(
     root: Root, package: Path, tmp_path: Path
 ) -> None:
     install(root, changed(package, tmp_path / "old.deb", "0.0"))
@@ -85,7 +85,7 @@ def test_an_upgrade_keeps_what_the_operator_wrote_and_saved(
 
 
 @pytest.mark.nightly
-def test_an_upgrade_brings_the_new_defaults_to_who_never_touched_them(
+def test_an_upgrade_replaces_an_unchanged_configuration(
     root: Root, package: Path, tmp_path: Path
 ) -> None:
     install(root, package)

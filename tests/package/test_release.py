@@ -46,7 +46,7 @@ def test_packed_again_under_another_umask_the_bytes_are_the_same(package: Path, 
     assert again == package and digest(again) == first
 
 
-def test_the_list_names_what_the_program_loads(package: Path, tmp_path: Path) -> None:
+def test_the_list_names_the_libraries_that_the_program_loads(package: Path, tmp_path: Path) -> None:
     run(["dpkg-deb", "--extract", str(package), str(tmp_path)])
     loaded = re.findall(
         r"^\s*(?:/\S*/)?(lib\S+|ld-\S+)", run(["ldd", f"{tmp_path}/usr/bin/flotillad"]), re.M

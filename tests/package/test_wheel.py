@@ -83,7 +83,9 @@ def newcomer(wheel: Path) -> Iterator[Newcomer]:
         yield Newcomer(Path(folder), wheel)
 
 
-def test_four_boats_are_seen(newcomer: Newcomer, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_demo_reports_four_boats(
+    newcomer: Newcomer, capsys: pytest.CaptureFixture[str]
+) -> None:
     began = time.monotonic()
     said = newcomer.run(newcomer.flotilla, "demo")
     took_s = time.monotonic() - began
@@ -96,7 +98,7 @@ def test_four_boats_are_seen(newcomer: Newcomer, capsys: pytest.CaptureFixture[s
     assert [boat["id"] for boat in summary["boats"]] == [1, 2, 3, 4]
 
 
-def test_the_demo_opens_its_page_where_somebody_sees_it(newcomer: Newcomer, tmp_path: Path) -> None:
+def test_the_demo_opens_its_page_in_the_browser(newcomer: Newcomer, tmp_path: Path) -> None:
     browser = tmp_path / "browser"
     browser.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/shown\n')
     browser.chmod(0o755)
@@ -128,7 +130,9 @@ def test_a_run_has_the_digest_of_the_clones(newcomer: Newcomer, tmp_path: Path) 
     assert theirs == ours and len(ours) == 64
 
 
-def test_site_packages_gets_no_general_name(newcomer: Newcomer, wheel: Path) -> None:
+def test_the_wheel_adds_only_its_own_names_to_site_packages(
+    newcomer: Newcomer, wheel: Path
+) -> None:
     names = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
     module = {name for name in names if re.fullmatch(r"flotilla\.(cpython-\d+-\S+|abi3)\.so", name)}
     assert len(module) == 1
@@ -141,7 +145,7 @@ def test_site_packages_gets_no_general_name(newcomer: Newcomer, wheel: Path) -> 
     assert newcomer.asks("import flotilla; print(flotilla.Boat.__name__)") == "Boat"
 
 
-def test_flotillad_is_in_the_wheel_and_is_this_commit(newcomer: Newcomer) -> None:
+def test_flotillad_of_the_wheel_has_the_version_of_this_commit(newcomer: Newcomer) -> None:
     program = newcomer.asks(
         "import flotilla_usv; from sil.live.live_world import build; print(build(print))"
     )
@@ -160,7 +164,7 @@ def test_boats_sail_live_from_the_wheel(newcomer: Newcomer) -> None:
 
 
 @pytest.mark.nightly
-def test_a_campaigns_processes_find_the_simulation(newcomer: Newcomer) -> None:
+def test_a_campaign_runs_from_the_wheel(newcomer: Newcomer) -> None:
     words = ["--constraint", newcomer.folder / "pins", "flotilla-usv[campaign]"]
     newcomer.run(newcomer.python, "-m", "pip", "install", "--quiet", *words)
     newcomer.run(
@@ -170,14 +174,14 @@ def test_a_campaigns_processes_find_the_simulation(newcomer: Newcomer) -> None:
     assert (newcomer.folder / "out/campaign/report.html").exists()
 
 
-def test_the_list_names_what_the_wheel_needs_and_what_is_linked_in(wheel: Path) -> None:
+def test_the_list_names_required_packages_and_linked_libraries(wheel: Path) -> None:
     listed = parts(wheel)
     assert {"numpy", "nanobind", "libjs-chart.js", "libstdc++.so.6"} <= set(listed)
     assert any(name.startswith("libgcc-") for name in listed)
     assert "NOASSERTION" not in listed.values()
 
 
-def test_the_core_is_small(
+def test_the_core_installation_is_under_its_limit(
     newcomer: Newcomer, wheel: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     wheel_mb = wheel.stat().st_size / 1e6

@@ -28,6 +28,6 @@ def test_a_second_build_of_a_preset_waits_for_the_first() -> None:
     lock.unlink()
 
 
-def test_a_build_without_a_preset_is_told_to_name_one() -> None:
+def test_a_build_without_a_preset_prints_its_usage() -> None:
     done = subprocess.run([BUILD], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (2, "usage: tools/build PRESET [TARGET…]\n")

@@ -46,7 +46,7 @@ def declared() -> set[str]:
     return {plain(line) for line in lines if not line.startswith("#")}
 
 
-def test_what_the_simulation_imports_is_declared() -> None:
+def test_imports_of_the_simulation_are_declared() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = [name for extra in project["optional-dependencies"].values() for name in extra]
     dependencies = {plain(name) for name in [*project["dependencies"], *extras]} - OUR_OWN
@@ -54,13 +54,13 @@ def test_what_the_simulation_imports_is_declared() -> None:
     assert dependencies < declared()
 
 
-def test_what_the_tests_import_is_declared() -> None:
+def test_imports_of_the_tests_are_declared() -> None:
     used = imported("tests")
     assert {"pytest", "numpy", "pymavlink"} < used
     assert used <= declared()
 
 
-def test_what_is_declared_is_pinned_with_a_hash() -> None:
+def test_declared_packages_are_pinned_with_a_hash() -> None:
     text = (ROOT / "tools" / "requirements.txt").read_text(encoding="utf-8")
     pinned = re.findall(r"^([\w.-]+)==\S+ \\\n +--hash=sha256:[0-9a-f]{64}\b", text, re.MULTILINE)
     assert declared() <= {plain(name) for name in pinned}

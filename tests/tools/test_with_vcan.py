@@ -121,7 +121,7 @@ def test_two_machines_at_once_have_buses_of_their_own(begin: Begin) -> None:
     assert said_two == (0, "lo vcan0 vcan1 ", "")
 
 
-def test_what_a_command_leaves_running_ends_with_its_machine(begin: Begin) -> None:
+def test_background_processes_of_a_command_end_with_its_machine(begin: Begin) -> None:
     left = begin("--uml", "-n", "1", "sh", "-c", "sleep 1000 & echo done")
     assert end(left) == (0, "done\n", "")
 
@@ -158,7 +158,7 @@ def test_a_panic_of_the_kernel_is_status_1_and_its_last_lines(begin: Begin) -> N
     assert err.endswith("with-vcan: the kernel died\n")
 
 
-def test_a_machine_that_cannot_have_vcan_is_told_what_is_missing(
+def test_a_machine_that_cannot_have_vcan_names_the_missing_packages(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -172,7 +172,9 @@ def test_a_machine_that_cannot_have_vcan_is_told_what_is_missing(
 @pytest.mark.parametrize(
     ("arguments", "status"), [(["no-such-program"], 127), ([], 2), (["-n", "0", "true"], 2)]
 )
-def test_a_mistake_is_told_without_a_boot(begin: Begin, arguments: list[str], status: int) -> None:
+def test_a_mistake_is_reported_without_a_boot(
+    begin: Begin, arguments: list[str], status: int
+) -> None:
     got, out, err = end(begin(*arguments))
     assert (got, out) == (status, "")
     assert "with-vcan" in err

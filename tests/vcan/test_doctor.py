@@ -22,7 +22,7 @@ def told() -> list[str]:
     return [f.what for f in can_interface(Computer(Path("/")), BOAT)]
 
 
-def test_a_virtual_bus_is_told_and_one_that_is_down_is_found() -> None:
+def test_a_virtual_bus_is_reported_and_so_is_one_that_is_down() -> None:
     assert told() == ["is a virtual bus: no motor controller hears it"]
     run("ip", "link", "set", "vcan0", "down")
     try:

@@ -32,9 +32,7 @@ def outcomes() -> dict[str, Outcome]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_boat_takes_every_live_fault_within_its_limits(
-    outcomes: dict[str, Outcome], name: str
-) -> None:
+def test_every_live_fault_stays_within_its_limits(outcomes: dict[str, Outcome], name: str) -> None:
     assert outcomes[name].passed, outcomes[name]
 
 

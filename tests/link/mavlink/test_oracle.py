@@ -179,7 +179,7 @@ def said(frames: Path, seed: int) -> list[tuple[str, bytes, list[Value]]]:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_pymavlink_reads_in_every_field_what_a_boat_says(frames: Path, seed: int) -> None:
+def test_pymavlink_reads_every_field_of_a_boats_messages(frames: Path, seed: int) -> None:
     parser = dialect().MAVLink(None)
     for sequence, (name, frame, ours) in enumerate(said(frames, seed)):
         if name == "TIMESYNC":
@@ -254,7 +254,7 @@ def random_message(rng: random.Random, kind: Any) -> Message:
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("version", [1, 2])
-def test_a_boat_reads_in_every_field_what_pymavlink_says(
+def test_a_boat_reads_every_field_of_pymavlinks_messages(
     frames: Path, seed: int, version: int
 ) -> None:
     rng = random.Random(seed)

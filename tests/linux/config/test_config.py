@@ -77,7 +77,7 @@ def test_the_keys_of_a_file_are_the_options(sea: RealSea, tmp_path: Path) -> Non
         ("can = ", "boat.toml:1:"),
     ],
 )
-def test_a_mistake_in_the_file_is_told_in_one_line(
+def test_a_mistake_in_the_file_is_reported_in_one_line(
     tmp_path: Path, content: str, named: str
 ) -> None:
     file = tmp_path / "boat.toml"
@@ -105,7 +105,7 @@ def test_a_mistake_in_the_file_is_told_in_one_line(
         ("--config=/nowhere.toml", "/nowhere.toml: cannot be read"),
     ],
 )
-def test_a_mistake_on_the_command_line_is_told_in_one_line(
+def test_a_mistake_on_the_command_line_is_reported_in_one_line(
     tmp_path: Path, option: str, named: str
 ) -> None:
     given = {"--can": "mcast:5", "--mavlink": LINK, "--state-dir": tmp_path / "state"}
@@ -122,7 +122,7 @@ def test_a_boat_without_any_link_is_a_mistake(tmp_path: Path) -> None:
     assert "no MAVLink link" in mistake("--can=mcast:5", f"--state-dir={tmp_path}")
 
 
-def test_root_is_told_to_run_it_as_another_user(tmp_path: Path) -> None:
+def test_flotillad_refuses_to_run_as_root(tmp_path: Path) -> None:
     if os.geteuid() != 0:
         pytest.skip("only root can try")
     done = subprocess.run(

@@ -74,7 +74,7 @@ def test_a_line_of_the_table_that_makes_no_sense_spoils_no_other(sea: RealSea) -
     assert allocated(sea, FIRST) == LOG["values"]["allocated"]
 
 
-def test_a_table_that_the_disk_did_not_take_is_said_once_and_written_later(sea: RealSea) -> None:
+def test_a_failed_write_is_reported_once_and_tried_again(sea: RealSea) -> None:
     table = sea.state_dir / "node_ids.txt"
     obstacle = sea.state_dir / "node_ids.txt.new"
     obstacle.mkdir(parents=True)

@@ -34,7 +34,7 @@ def previous(file: Path) -> Path:
     return file.with_name("parameters.txt.previous")
 
 
-def test_a_boat_that_was_never_set_up_says_so_and_does_not_arm_until_saved(sea: RealSea) -> None:
+def test_a_boat_without_saved_parameters_reports_it_and_does_not_arm(sea: RealSea) -> None:
     sea.set_up = False
     sea.start()
     sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
@@ -68,9 +68,7 @@ def test_a_boat_that_was_set_up_starts_without_a_complaint_and_arms(sea: RealSea
     assert sea.process.words.splitlines() == [f"flotillad: ready: boat 2 on mcast:{sea.bus}"]
 
 
-def test_a_damaged_file_falls_back_to_the_previous_one_and_says_so(
-    sea: RealSea, file: Path
-) -> None:
+def test_a_damaged_file_is_reported_and_the_previous_one_used(sea: RealSea, file: Path) -> None:
     damaged = text(CAN_NODE=34).replace("CAN_NODE = 34", "CAN_NODE = 35")
     file.write_text(damaged)
     previous(file).write_text(text(CAN_NODE=33))
@@ -138,7 +136,7 @@ def test_defaults_that_nobody_has_confirmed_are_not_written_at_exit(
     assert file.read_text() == damaged
 
 
-def test_names_of_another_version_are_said_and_kept(sea: RealSea, file: Path) -> None:
+def test_names_of_another_version_are_reported_and_kept(sea: RealSea, file: Path) -> None:
     file.write_text(text("LAW_MAGIC = 7", "a line of another age", LAW_KX=0.25))
     sea.start(param={})
     sea.until(sea.ready)
@@ -239,7 +237,7 @@ def test_a_disk_that_hangs_does_not_stop_the_control_loop(sea: RealSea, file: Pa
     assert "saved" not in sea.process.words
 
 
-def test_a_save_that_failed_is_said_once_and_tried_again(sea: RealSea, file: Path) -> None:
+def test_a_failed_save_is_reported_once_and_tried_again(sea: RealSea, file: Path) -> None:
     obstacle = file.with_name("parameters.txt.new")
     sea.start()
     sea.until(sea.ready)
@@ -262,9 +260,7 @@ def test_a_save_that_failed_is_said_once_and_tried_again(sea: RealSea, file: Pat
     set_where_the_disk_takes_it_later(0.5)
 
 
-def test_a_disk_that_takes_nothing_is_said_and_the_boat_stays_unconfirmed(
-    sea: RealSea, file: Path
-) -> None:
+def test_a_failed_save_is_reported_and_the_boat_does_not_arm(sea: RealSea, file: Path) -> None:
     file.write_text("")
     file.with_name("parameters.txt.new").mkdir()  # where the new version would be written
     sea.start()

@@ -94,7 +94,7 @@ def test_a_cleared_plan_stays_cleared(sea: RealSea) -> None:
     ],
     ids=["cut", "changed"],
 )
-def test_a_damaged_file_is_said_and_not_used(
+def test_a_damaged_file_is_reported_and_not_used(
     sea: RealSea, change: Callable[[str], str], words: str
 ) -> None:
     sea.start()

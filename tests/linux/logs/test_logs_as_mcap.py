@@ -19,9 +19,7 @@ from tests.target.stations import BOAT, LEADER
 Topics = dict[str, list[tuple[int, Any]]]
 
 
-def test_a_boats_own_logs_become_what_other_readers_see_in_them(
-    sea: RealSea, tmp_path: Path
-) -> None:
+def test_converted_logs_agree_with_other_readers(sea: RealSea, tmp_path: Path) -> None:
     folder = tmp_path / "log"
     sea.start(f"--log={folder}")
     sea.enter_formation()

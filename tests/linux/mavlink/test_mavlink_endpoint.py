@@ -29,7 +29,7 @@ def opened() -> Iterator[ExitStack]:
         yield stack
 
 
-def test_udpin_answers_everybody_who_has_talked_to_it_and_nobody_else(
+def test_udpin_answers_every_peer_it_has_heard_and_no_other(
     sea: RealSea, opened: ExitStack
 ) -> None:
     port = free_port()
@@ -45,7 +45,7 @@ def test_udpin_answers_everybody_who_has_talked_to_it_and_nobody_else(
     assert unheard.receive() == []
 
 
-def test_udpin_forgets_who_fell_silent_only_where_it_needs_the_place(
+def test_udpin_forgets_a_silent_peer_only_when_it_needs_the_place(
     sea: RealSea, opened: ExitStack
 ) -> None:
     port = free_port()
@@ -76,7 +76,7 @@ def test_udpin_forgets_who_fell_silent_only_where_it_needs_the_place(
 
 
 @pytest.mark.parametrize("garbage", [True, False])
-def test_nine_strangers_take_nothing_from_an_operator(
+def test_nine_strangers_do_not_reduce_an_operators_telemetry(
     sea: RealSea, opened: ExitStack, garbage: bool
 ) -> None:
     """`garbage`: each sends one byte 20 times a second; else HEARTBEATs of other boats."""
@@ -145,7 +145,7 @@ def addresses_of(pid: int) -> set[str]:
 @pytest.mark.parametrize(
     ("host", "bound"), [("", LOOPBACK), ("127.0.0.2:", "127.0.0.2"), ("0.0.0.0:", "0.0.0.0")]
 )
-def test_a_boat_is_bound_where_its_configuration_says_and_nowhere_else(
+def test_a_boat_binds_only_the_addresses_of_its_configuration(
     sea: RealSea, host: str, bound: str
 ) -> None:
     sea.connect(Udp(free_port()), Udp(), broadcast_listener())
@@ -155,7 +155,7 @@ def test_a_boat_is_bound_where_its_configuration_says_and_nowhere_else(
     assert addresses_of(sea.process.pid) == {LOOPBACK, bound, group}
 
 
-def test_udpout_hears_nobody_but_whom_it_talks_to(sea: RealSea, opened: ExitStack) -> None:
+def test_udpout_receives_only_from_its_peer(sea: RealSea, opened: ExitStack) -> None:
     stranger = Udp()
     opened.callback(stranger.close)
     sea.start()
@@ -311,7 +311,7 @@ def test_a_serial_port_that_nobody_reads_does_not_delay_the_boat(
         ("serial:/dev/ttyNONE:57600", "No such file or directory"),
     ],
 )
-def test_a_boat_without_one_of_its_links_sails_by_the_others_and_says_so(
+def test_a_boat_reports_a_link_that_does_not_open_and_sails_by_the_others(
     sea: RealSea, absent: str, why: str
 ) -> None:
     sea.connect(Udp(), Udp())
@@ -321,7 +321,7 @@ def test_a_boat_without_one_of_its_links_sails_by_the_others_and_says_so(
     assert "MAVLink link 2 is not open" in sea.texts()
 
 
-def test_a_boat_whose_port_somebody_has_gets_it_when_it_is_free(sea: RealSea) -> None:
+def test_a_port_in_use_is_opened_when_it_becomes_free(sea: RealSea) -> None:
     port = free_port()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind((LOOPBACK, port))
