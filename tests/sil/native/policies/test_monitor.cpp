@@ -103,8 +103,10 @@ TEST_CASE("frames that are changed on the bus break the rules about them") {
              status = type_of(link::NodeStatus{});
   CHECK(after(arming, [](auto& f) { f.data[0] = 255; }) == "ArmingStatus 255 only while armed");
   CHECK(after(arming, [](auto& f) { f.data[0] = 128; }) == "ArmingStatus is 0 or 255");
-  CHECK(after(arming, [](auto& f) { f.id ^= 1U << 15U; }) == "ArmingStatus at least every 0.11 s");
-  CHECK(after(status, [](auto& f) { f.id ^= 1U << 15U; }) == "NodeStatus at least every 1.1 s");
+  CHECK(after(arming, [](auto& f) { f.id ^= 1U << 15U; }) ==
+        "ArmingStatus is sent at least every 0.11 s");
+  CHECK(after(status, [](auto& f) { f.id ^= 1U << 15U; }) ==
+        "NodeStatus is sent at least every 1.1 s");
   CHECK(after(status, [](auto& f) { f.data[0] = 0; }) == "a node's uptime never runs backwards");
   CHECK(after(status, [](auto& f) { f.data[4] = 0x40; }) ==
         "NodeStatus reports OK and operational");
@@ -116,7 +118,7 @@ TEST_CASE("frames that are changed on the bus break the rules about them") {
   };
   CHECK(after(command, cut) == "RawCommand names both propellers' ESCs");
   CHECK(after(status, [](auto& f) { f.data[f.size - 1U] ^= 0x20; }) ==
-        "every transfer is whole and its checksum good");
+        "every transfer is complete and its checksum correct");
   CHECK(after(arming, id) == "transfer ids increase by one");
 }
 
@@ -166,7 +168,7 @@ TEST_CASE("silent links break the rule of the heartbeat") {
   h.boat.links = &silent;
   const std::int64_t last_us = h.now_us;
   h.sail(2);
-  CHECK(h.boat.broken() == "heartbeat at least every 1.1 s");
+  CHECK(h.boat.broken() == "HEARTBEAT is sent at least every 1.1 s");
   CHECK(h.boat.violation()->now_us < last_us + 1'200'000);
 }
 
