@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Notes on a certificate: effects that it leaves out, and those that it need not cover."""
+"""Notes on a certificate: effects that it leaves out, and effects that it need not cover."""
 
 import math
 from collections.abc import Iterable
@@ -19,9 +19,9 @@ def notes(certificate: Certificate) -> list[str]:
         "The small-gain test is sufficient only: failing it proves nothing. It and the nominal "
         "loop (24) concern the paper's law; the sampled loop is that of the firmware, extensions "
         "included.",
-        "Links: no boat acts on its leader, while no vessel is near (FS_SEP_M) and the leader does "
-        "not wait (WP_WAIT_S). Then late, rare or lost messages of a leader are outside every "
-        "loop: they add states of delay but no feedback, and change no multiplier. "
+        "Links: while no vessel is near (FS_SEP_M) and the leader waits for nobody (WP_WAIT_S), no "
+        "boat influences its leader. Then late, rare or lost messages of a leader are outside "
+        "every feedback loop: they add delay states, but change no multiplier. "
         "The gains of the chain show how they amplify motions from boat to boat, for small "
         "motions on a straight course. The rate of a boat's own fixes is in the loop.",
         "The verdict concerns small errors, and each boat's decay is that behind a leader without "
@@ -62,8 +62,8 @@ def _rehung(certificate: Certificate) -> Iterable[str]:
         after_s = math.log(found.step_m / SMALL_M) / min(decays)
         text += (
             f". A new leader moves all slots by {found.step_m:.1f} m. At the decay rate of small "
-            f"errors, {SMALL_M:g} m of it remain after {after_s:.0f} s; LAW_U_MAX makes "
-            f"that later"
+            f"errors, {SMALL_M:g} m of it remain after {after_s:.0f} s; the "
+            f"limit LAW_U_MAX makes it take longer"
         )
     yield text + "."
 
@@ -73,8 +73,8 @@ def _late(certificate: Certificate) -> Iterable[str]:
     delay_s = max((scenario.boat_unit(boat).delay_s for boat in scenario.boat), default=0.0)
     if delay_s > LATE_S:
         yield (
-            f"The navigation unit is {delay_s:.2f} s late: this delay is in the chain, but not in "
-            f"the sampled loop and its decay. Sail it: flotilla run."
+            f"The navigation unit is {delay_s:.2f} s late: the chain includes this delay, but "
+            f"the sampled loop and its decay do not. Simulate it: flotilla run."
         )
 
 
@@ -87,5 +87,5 @@ def _left_out(certificate: Certificate) -> Iterable[str]:
 
 
 def listed(values: Iterable[float]) -> str:
-    """Numbers in words."""
+    """The numbers, separated by commas."""
     return ", ".join(f"{value:g}" for value in values)

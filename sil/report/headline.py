@@ -46,7 +46,7 @@ def of_run(summary: Summary) -> Verdict:
     if math.isfinite(worst["max_error_m"]):
         parts.append(f"worst {length(worst['max_error_m'])} in the last third")
     else:
-        wrong.append(f"boat {worst['id']} is beyond all bounds")
+        wrong.append(f"boat {worst['id']} has no finite error")
     least_m = summary["min_separation_m"]
     if least_m is not None:
         parts.append(f"closest two boats {least_m:.2f} m")
@@ -69,7 +69,7 @@ def _separation(summary: Summary) -> list[str]:
     # "not at least" rather than "under": NaN counts as too near
     if least_m is None or least_m >= hull_m:
         return []
-    return [f"two boats came nearer than a hull is long, {hull_m:g} m"]
+    return [f"two boats came nearer than a hull's length ({hull_m:g} m)"]
 
 
 class Ended(NamedTuple):
@@ -92,8 +92,8 @@ def of_campaign(ended: Ended) -> Verdict:
     """The verdict of a campaign."""
     parts = [f"{ended.settled} of {ended.runs} runs settled"]
     if ended.near is not None:
-        which = f"in {ended.near or 'none'}"
-        parts.append(f"{which} two boats came nearer than a hull is long ({ended.hull_m:g} m)")
+        which = f"in {ended.near} two boats came" if ended.near else "in none did two boats come"
+        parts.append(f"{which} nearer than a hull's length ({ended.hull_m:g} m)")
     parts += [f"{ended.diverged or 'none'} diverged", f"{ended.failed or 'none'} failed"]
     bad = (ended.near or 0) + ended.diverged + ended.failed > 0
     level: Level = "bad" if bad else "good" if ended.settled == ended.runs else "fair"

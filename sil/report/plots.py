@@ -59,7 +59,7 @@ def formation(name: str, trace: Mapping[str, Array], root: str = VIRTUAL_LEADER)
     first = min(max(2, count // 5), count)
     whole = "the whole run"
     if count < trace["t_s"].size:
-        whole = f"up to {t_s[-1]:.2f} s: then an agent is beyond all bounds"
+        whole = f"up to {t_s[-1]:.2f} s; after that an agent's values are not finite"
     windows = {f"{name}: the first {t_s[first - 1]:.0f} s": first, whole: count}
     shapes = [_height_to_width(eta[:end]) for end in windows.values()]
     with matplotlib.rc_context(STYLE):
@@ -93,7 +93,7 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
         figure = Figure(figsize=(_WIDTH_IN, 4.6))
         figure.subplots_adjust(left=0.12, right=0.9, bottom=0.11, top=0.93)
         axes = figure.add_subplot(yscale="log", xlabel="time since release (s)")
-        lost = "" if np.isfinite(distance).all() else "; a line ends where it is beyond all bounds"
+        lost = "" if np.isfinite(distance).all() else "; a line ends where it is not finite"
         axes.set_title(f"{name}: distance of each boat from its slot{lost}")
         axes.set_ylabel("formation error |e| (m)")
         for i in range(distance.shape[1]):

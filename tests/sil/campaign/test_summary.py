@@ -101,5 +101,7 @@ def test_the_closest_two_boats_and_the_settled_runs_are_reported() -> None:
     summary.show(console, nominal, runs, told)
     said = console.export_text()
     assert "closest two boats: 1.700 m, in run 2" in said
-    assert said.startswith("1 of 4 runs settled; in none two boats came nearer than a hull is long")
+    assert said.startswith(
+        "1 of 4 runs settled; in none did two boats come nearer than a hull's length"
+    )
     assert summary.figures(nominal, runs[2:], EFFORT, "ab" * 32)["closest"] is None

@@ -58,7 +58,7 @@ def test_a_run_in_which_boats_come_too_near_ends_with_status_1(
 ) -> None:
     short = ["--set", "duration_s=10", "--out", str(tmp_path)]
     assert main(["run", "diamond_frame1", *short]) == 1
-    assert "two boats came nearer than a hull is long" in capsys.readouterr().out
+    assert "two boats came nearer than a hull's length" in capsys.readouterr().out
 
 
 def test_help_lists_every_command_and_imports_none_of_them() -> None:
