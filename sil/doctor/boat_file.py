@@ -85,7 +85,7 @@ def _judged(computer: Computer, path: str) -> Iterator[Finding]:
     """Findings from flotillad's own check of the file."""
     program = computer.at(_PROGRAM) if computer.at(_PROGRAM).exists() else FLOTILLAD
     if not program.exists():
-        yield bad(_PROGRAM, "there is no flotillad", "install the Debian package: tools/flash")
+        yield bad(_PROGRAM, "flotillad is not installed", "install the Debian package: tools/flash")
         return
     file = str(computer.at(path))
     words = [*ordinary_user(), str(program), "--config", file, "--check"]

@@ -94,8 +94,10 @@ def judge(boat: Boat, nodes: Nodes) -> Iterator[Finding]:
     others = set(nodes.status) - {own}
     if not others and not nodes.escs:
         if nodes.nameless:
-            remedy = "start flotillad: it gives them one"
-            yield bad(boat.can, "motor controllers request a node id but get none", remedy)
+            remedy = "start flotillad: it assigns node ids"
+            yield bad(
+                boat.can, "motor controllers request a node id, but no node assigns one", remedy
+            )
         else:
             yield bad(boat.can, "no motor controller is heard", _POWER)
         return
@@ -118,7 +120,7 @@ def judge(boat: Boat, nodes: Nodes) -> Iterator[Finding]:
         yield bad(
             boat.can,
             f"node {_list(strangers)} commands the motor controllers too",
-            "take the autopilot off this bus: exactly one may command (firmware/docs/AUTOPILOT.md)",
+            "remove the autopilot from this bus: one node may command (firmware/docs/AUTOPILOT.md)",
         )
 
 
@@ -130,11 +132,11 @@ def _health(where: str, nodes: Nodes, others: set[int]) -> Iterator[Finding]:
             yield bad(
                 where,
                 what,
-                "give each an id of its own, or 0: the boat then gives them one; check its supply",
+                "give each its own id, or 0 for one from the boat; check their supply",
             )
         if health:
             tell = bad if health > 1 else doubt
-            remedy = "read its own error in its tool or manual; temperature and supply come first"
+            remedy = "look up its error with its own tool; check its temperature and supply first"
             yield tell(where, f"node {node} reports health {_HEALTH[health]}", remedy)
 
 

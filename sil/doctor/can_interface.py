@@ -30,7 +30,7 @@ def can_interface(computer: Computer, boat: Boat) -> Iterator[Finding]:
     scheme, _, name = boat.can.partition(":")
     if scheme != "socketcan":
         what = "is a simulated bus: no motor controller hears it"
-        yield doubt(boat.can, what, 'can = "socketcan:can0" in the configuration file')
+        yield doubt(boat.can, what, 'set can = "socketcan:can0" in the configuration file')
         return
     folder = f"/sys/class/net/{name}"
     if not computer.at(folder).exists():
@@ -69,7 +69,9 @@ def details(name: str) -> dict[str, Any]:
 def _details(where: str, told: dict[str, Any]) -> Iterator[Finding]:
     if told.get("info_kind") == "vcan":
         yield doubt(
-            where, "is a virtual bus: no motor controller hears it", "name the HAT's interface"
+            where,
+            "is a virtual bus: no motor controller hears it",
+            "set can to the HAT's interface",
         )
         return
     data = told.get("info_data", {})

@@ -44,7 +44,7 @@ def verdict(findings: Sequence[Finding]) -> str:
     doubts = sum(finding.level is Level.DOUBT for finding in findings)
     if bad:
         things = "one thing keeps" if bad == 1 else f"{bad} things keep"
-        return f"not ready: {things} this boat from sailing, {doubts} more to look at"
+        return f"not ready: {things} this boat from sailing; {doubts} more to look at"
     return f"ready, {doubts} to look at" if doubts else "ready: nothing wrong was found"
 
 

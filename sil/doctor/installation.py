@@ -51,7 +51,9 @@ def folders(computer: Computer, boat: Boat) -> Iterator[Finding]:
     for path, meaning in ((boat.state_dir, "parameters are saved"), (boat.log, "logs are written")):
         if not path:
             yield doubt(
-                "log", "no logs are written", 'log = "/var/log/flotilla" in the configuration file'
+                "log",
+                "no logs are written",
+                'set log = "/var/log/flotilla" in the configuration file',
             )
             continue
         remedy = f"sudo install -d -o {computer.user} -g {computer.user} -m 750 {path}"
@@ -96,7 +98,7 @@ def signing_key(computer: Computer, boat: Boat) -> Iterator[Finding]:
     path = boat.signing_key
     if not path:
         what = "there is no key: anybody in range can command the boat"
-        remedy = "signing-key in the configuration file; see firmware/docs/MAVLINK.md"
+        remedy = "set signing-key in the configuration file: firmware/docs/MAVLINK.md"
         yield doubt("signing", what, remedy)
         return
     own = f"sudo chown {computer.user} {path} && sudo chmod 600 {path}"

@@ -25,7 +25,7 @@ def judge_links(boat: Boat, heard: Sequence[tuple[Link, Heard]]) -> Iterator[Fin
 def judge_senders(
     boat: Boat, heard: Sequence[tuple[Link, Heard]], seconds: float
 ) -> Iterator[Finding]:
-    """Findings about navigation unit and leader, over all links together."""
+    """Findings about the navigation unit and the leader, over all links together."""
     yield from _unit(boat, heard, seconds)
     leader = round(boat.parameters.get("FORM_LEADER", 0))
     if not any(sender[0] == leader for _, one in heard for sender in one.counts):
@@ -41,7 +41,7 @@ def _noise(link: Link, heard: Heard) -> Iterator[Finding]:
         yield doubt(link.address, "nothing is heard", "check the power and address of the sender")
     elif heard.damaged > _DAMAGED * heard.bytes:
         share = 100.0 * heard.damaged / heard.bytes
-        remedy = "check the baud rate at both ends, the cable, and that no other program reads it"
+        remedy = "check the cable and both baud rates; no other program may read the line"
         yield bad(link.address, f"{share:.0f} % of the received bytes are not MAVLink", remedy)
     else:
         systems = sorted({sender[0] for sender in heard.counts})
@@ -52,13 +52,15 @@ def _signatures(boat: Boat, link: Link, heard: Heard) -> Iterator[Finding]:
     for sender, unsigned in sorted(heard.unsigned.items()):
         total = sum(heard.counts[sender].values())
         if link.signing == "required" and unsigned:
-            remedy = "give it the fleet's key, or write ,signing=off behind a cable's address"
+            remedy = (
+                "give it the fleet's key; if it is on a cable, append ,signing=off to the address"
+            )
             yield bad(
-                link.address, f"{_name(sender)} does not sign, and signatures are required", remedy
+                link.address, f"{_name(sender)} does not sign, but signatures are required", remedy
             )
         elif not boat.signing_key and unsigned < total:
-            remedy = "signing-key in the configuration file: the fleet's key"
-            yield doubt(link.address, f"{_name(sender)} signs, and this boat has no key", remedy)
+            remedy = "copy the fleet's key to the boat, and set signing-key to its path"
+            yield doubt(link.address, f"{_name(sender)} signs, but this boat has no key", remedy)
 
 
 def _name(sender: Sender) -> str:
@@ -73,7 +75,7 @@ def _namesake(boat: Boat, heard: Sequence[tuple[Link, Heard]]) -> Iterator[Findi
             yield bad(
                 link.address,
                 f"another boat has this boat's system id {own[0]}",
-                "give each its own MAV_SYSID; with ArduPilot as navigation unit, MAV_IDENTITY 1",
+                "give each boat its own MAV_SYSID; beside an ArduPilot, set MAV_IDENTITY to 1",
             )
 
 
@@ -102,7 +104,7 @@ def _unit(boat: Boat, heard: Sequence[tuple[Link, Heard]], seconds: float) -> It
         return
     rate_hz, link, one, sender = max(units, key=lambda unit: unit[0])
     if rate_hz < _LEAST_HZ:
-        remedy = "let it send 10 Hz or more (ArduPilot: SRn_POSITION, SRn_EXTRA1 of that port)"
+        remedy = "set its rate to 10 Hz or more (ArduPilot: SRn_POSITION, SRn_EXTRA1 of that port)"
         yield doubt(link.address, f"navigation unit: {rate_hz:.1f} positions per second", remedy)
     else:
         yield ok(link.address, f"navigation unit: {rate_hz:.0f} positions per second")
@@ -110,7 +112,7 @@ def _unit(boat: Boat, heard: Sequence[tuple[Link, Heard]], seconds: float) -> It
         yield bad(
             link.address,
             "the navigation unit sends no ATTITUDE",
-            "let it send ATTITUDE, 10 Hz or more",
+            "set it to send ATTITUDE at 10 Hz or more",
         )
     late_s = one.latency_s(sender)
     if late_s is None and boat.parameters.get("NAV_LAG_S", -1) < 0:
@@ -126,7 +128,7 @@ def _unit(boat: Boat, heard: Sequence[tuple[Link, Heard]], seconds: float) -> It
 
 def latency(where: str, who: str, late_s: float) -> Finding:
     """Finding about the latency of messages of `who`."""
-    told = f"{who}: a message takes {1000 * late_s:.0f} ms"
+    told = f"{who}: a message takes {1000 * late_s:.0f} ms to arrive"
     if late_s > _LATE_S:
         remedy = (
             "use a faster link, send fewer messages on it, or remove routers, USB hubs and radios "

@@ -12,7 +12,7 @@ _RELEASED_S = 1_767_225_600  # 2026-01-01: no boat has run this program before
 _LEAST_DISK_MB, _LITTLE_DISK_MB = 100, 2_000
 _LEAST_MEMORY_MB = 100
 _HOT_C = 80.0
-#: Files that programs leave after they have set the clock by the network.
+#: Files that exist while a program sets the clock over the network.
 _SYNCHRONISED = (
     "/run/systemd/timesync/synchronized",
     "/run/chrony/chronyd.pid",
@@ -43,8 +43,8 @@ def _clock(computer: Computer, now_s: float) -> Iterator[Finding]:
         yield bad(
             "clock",
             f"is wrong: {told} UTC",
-            "connect the network until `timedatectl` says synchronized, or fit a battery; signed "
-            "MAVLink takes the time from the navigation unit's SYSTEM_TIME",
+            "connect a network until `timedatectl` reports synchronized, or fit a real-time clock "
+            "with a battery; until then signed MAVLink uses the navigation unit's SYSTEM_TIME",
         )
     elif not any(computer.at(path).exists() for path in _SYNCHRONISED):
         yield doubt(
@@ -63,7 +63,7 @@ def _disk(computer: Computer, folder: str) -> Iterator[Finding]:
     free_mb = os.statvfs(path).f_bavail * os.statvfs(path).f_frsize / 1e6
     told = f"{free_mb:,.0f} MB are free"
     if free_mb < _LEAST_DISK_MB:
-        yield bad(folder, told, "remove old logs there; parameters can hardly be saved any more")
+        yield bad(folder, told, "remove old logs there; on a full disk no parameters are saved")
     elif free_mb < _LITTLE_DISK_MB:
         yield doubt(folder, told, "logs take up to 2 GB: remove old ones, or use a larger card")
     else:
@@ -76,7 +76,9 @@ def _memory(computer: Computer) -> Iterator[Finding]:
             free_mb = int(line.split()[1]) / 1e3
             told = f"{free_mb:,.0f} MB are available"
             if free_mb < _LEAST_MEMORY_MB:
-                remedy = "`ps aux --sort=-rss | head` shows who uses it; stop what is not needed"
+                remedy = (
+                    "`ps aux --sort=-rss | head` lists the largest programs; stop unneeded ones"
+                )
                 yield doubt("memory", told, remedy)
             else:
                 yield ok("memory", told)
@@ -102,7 +104,7 @@ def _speed(computer: Computer) -> Iterator[Finding]:
         yield doubt(
             "processor",
             f"is hot: {max(zones):.0f} °C",
-            "give its box a metal lid or a heat sink to the hull: at 85 °C it slows down",
+            "give its box a metal lid, or a heat sink to the hull: it slows down at 85 °C",
         )
     elif zones:
         yield ok("processor", f"{max(zones):.0f} °C")
@@ -126,4 +128,4 @@ def _supply(computer: Computer) -> Iterator[Finding]:
             remedy,
         )
     else:
-        yield ok("supply", "no low voltage since boot")
+        yield ok("supply", "the voltage was never too low since boot")

@@ -139,7 +139,7 @@ def _ask(boat: Boat, link: Link, seconds: float, key: bytes | None) -> Iterator[
     low, high = (heard.last.get((boat.system, name)) for name in ("COND", "COND2"))
     if low is None or high is None:
         what = f"its conditions are not heard in {listen_s:g} s"
-        yield doubt("boat", what, "give it more time: --seconds 20")
+        yield doubt("boat", what, "listen longer: --seconds 20")
         return
     bits = int(low) | int(high) << 24
     serious = keep_from_arming(bits)
