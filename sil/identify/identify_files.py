@@ -25,7 +25,7 @@ _PAGE = Template((Path(__file__).parent / "identify.html").read_text(encoding="u
 
 
 def write_hull(found: Identification, boat: Boat, folder: Path) -> list[Path]:
-    """Write the hull's files into the folder, which is made; returns them.
+    """Write the hull's files into the folder, creating it if needed; return their paths.
 
     There are none if the propellers are swapped, which no parameter corrects.
     """
@@ -42,7 +42,7 @@ def write_hull(found: Identification, boat: Boat, folder: Path) -> list[Path]:
 
 
 def write(found: Identification, boat: Boat, fit: Fit | None, folder: Path) -> list[Path]:
-    """Write page, picture and JSON into the folder, which is made; returns them."""
+    """Write page, picture and JSON into the folder, creating it if needed; return their paths."""
     picture = io.BytesIO()
     identify_picture.predictions(found).savefig(picture, format="png")
     told = json.dumps(document(found, boat, fit), indent=2, allow_nan=False) + "\n"

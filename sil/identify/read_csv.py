@@ -84,7 +84,7 @@ def _need(path: Path, columns: dict[str, Array], *names: str) -> Array:
         if name in columns:
             return columns[name]
     there = ", ".join(columns)
-    raise BadLogError(f"{path}: no column {' or '.join(names)}; it has {there}")
+    raise BadLogError(f"{path}: no column {' or '.join(names)}; the columns are {there}")
 
 
 def _time(path: Path, columns: dict[str, Array]) -> Array:
@@ -92,7 +92,9 @@ def _time(path: Path, columns: dict[str, Array]) -> Array:
         if name in columns:
             t = columns[name] * scale
             if not (np.all(np.isfinite(t)) and np.all(np.diff(t) > 0.0)):
-                raise BadLogError(f"{path}: {name} does not increase from row to row")
+                raise BadLogError(
+                    f"{path}: {name} does not increase from row to row; sort the rows by time"
+                )
             since: Array = t - t[0]
             return since
     _need(path, columns, "t_s", "t_ms", "t_us")
@@ -153,7 +155,7 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
     if not (np.nanmin(pwm) > 800.0 and np.nanmax(pwm) < 2200.0):
         raise BadLogError(
             f"{path}: pwm_{side}_us is {np.nanmin(pwm):.4g} … {np.nanmax(pwm):.4g}, "
-            "a pulse width is 1000 … 2000 µs"
+            "but a pulse width is 1000 … 2000 µs"
         )
     near = pwm[(pwm > _STOP_PWM[0]) & (pwm < _STOP_PWM[1])]
     values, counts = np.unique(np.round(near), return_counts=True)

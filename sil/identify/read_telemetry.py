@@ -38,7 +38,7 @@ _HEARD = frozenset(
 
 
 def read_tlog(path: Path) -> VoyageLog:
-    """A telemetry log, with the CAN log of the same number beside it. Raises `BadLogError`."""
+    """A telemetry log, with the CAN logs of the same time beside it. Raises `BadLogError`."""
     messages = list(_decoded(path))
     names = {name for _, _, name, _ in messages}
     kinds = {_ODOMETRY} if _ODOMETRY in names else {_LOCAL, _ATTITUDE}
@@ -70,7 +70,7 @@ def read_bin(path: Path) -> VoyageLog:
     series, outputs = Series(path.stem), _Outputs(path)
     with path.open("rb") as file:
         if file.read(len(_DATAFLASH)) != _DATAFLASH:
-            raise BadLogError(f"{path}: is no DataFlash log, which begins with the bytes A3 95")
+            raise BadLogError(f"{path}: is no DataFlash log: one begins with the bytes A3 95")
     last_gyro = 0.0
     with closing(DFReader.DFReader_binary(str(path))) as log:
         while (message := log.recv_match(type=["XKF1", "IMU", "RCOU", "PARM"])) is not None:
@@ -107,8 +107,8 @@ class _Outputs:
         logged = min((len(raw) for _, raw in self.heard), default=inf)
         if (last := max(port, stbd) + 1) > logged:
             raise BadLogError(
-                f"{self._path}: SERVO{last}_FUNCTION is a propeller, but the log has only outputs "
-                f"1 to {logged}"
+                f"{self._path}: SERVO{last}_FUNCTION is a propeller's, but the log has only "
+                f"outputs 1 to {logged}. Connect the propeller to one of them"
             )
         return [(t_s, _share(raw[port]), _share(raw[stbd])) for t_s, raw in self.heard]
 
@@ -127,12 +127,17 @@ def _decoded(path: Path) -> Iterator[tuple[float, tuple[int, int], str, Any]]:
 
 
 def _whose(path: Path, systems: set[int]) -> int:
-    """The system that the log belongs to."""
+    """The system id of the vessel that wrote the log."""
     if not systems:
-        raise BadLogError(f"{path}: has neither ODOMETRY nor LOCAL_POSITION_NED with ATTITUDE")
+        raise BadLogError(
+            f"{path}: contains neither ODOMETRY nor LOCAL_POSITION_NED with ATTITUDE. Set the "
+            "navigation unit to send them, and log again"
+        )
     owner = tlog_reader.facts(path).owner if len(systems) > 1 else systems.pop()
     if owner is None:
-        raise BadLogError(f"{path}: has the motion of several vessels; take the boat's own log")
+        raise BadLogError(
+            f"{path}: contains several vessels and names no owner; use the boat's own log"
+        )
     return owner
 
 
@@ -158,9 +163,9 @@ def _motion(series: Series, t_s: float, name: str, message: Any) -> None:
 
 
 def _buses_beside(path: Path, first_s: float, last_s: float) -> list[Path]:
-    """The logs of the bus beside a tlog that were written at the same time.
+    """The CAN logs beside a tlog that were written at the same time.
 
-    Tlogs and CAN logs are numbered independently: equal numbers may be of different runs.
+    Tlogs and CAN logs are numbered independently: equal numbers may belong to different runs.
     """
     begun = []
     for log in path.parent.glob("can-*.log"):
