@@ -68,7 +68,7 @@ def plain(value: object) -> bytes:
 
 
 def semver(version: str) -> str:
-    """0.1+20261121020214.619cf70a as 0.1.0-20261121020214-619cf70a, a valid tag of an image."""
+    """A valid image tag: 0.1+20261121020214.619cf70a becomes 0.1.0-20261121020214-619cf70a."""
     base, _, commit = version.partition("+")
     return f"{base}.0" + (f"-{re.sub('[.+]', '-', commit)}" if commit else "")
 

@@ -25,13 +25,13 @@ _SILENCE = {
     "udpin": "check that the boats have power, and that their radio's program sends to this port",
     "tcp": "check that the boats have power, and that the server passes on what it hears",
 }
-_LINE_SILENCE = "check that the boats have power, the radio's pairing and its baud rate"
+_LINE_SILENCE = "check that the boats have power, and the radio's pairing and baud rate"
 
 
 def of_error(error: Exception) -> str:
     """An operating system error as a sentence, without its number."""
     if isinstance(error, socket.gaierror):
-        return "no computer has that name; check its spelling, or give its address"
+        return "no computer has that name; check the spelling, or give the address"
     number = error.args[0] if error.args else 0
     text = error.args[1] if len(error.args) > 1 else error
     return _REMEDIES.get(number, str(text).lower())

@@ -131,7 +131,7 @@ def _socket_of(address: str) -> socket.socket | None:
         mavlink_mcast.host_and_port(rest)
     elif not address.startswith("/dev/"):
         wanted = "mcast:, udpin:HOST:PORT, tcp:HOST:PORT or /dev/…"
-        raise ValueError(f"no file, no folder and no MAVLink address, which are {wanted}")
+        raise ValueError(f"no file, no folder and no MAVLink address; addresses are {wanted}")
     else:
         line_of(address)
     return None

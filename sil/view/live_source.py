@@ -49,7 +49,7 @@ class Live:
 
     def history(self) -> dict[str, Any]:
         """The history since the beginning, for a replay."""
-        return self._watch.history(f"Replay of what was heard at {self._listener.address}")
+        return self._watch.history(f"Replay of the messages heard at {self._listener.address}")
 
     def frame(self) -> dict[str, Any]:
         """The current frame for the page."""

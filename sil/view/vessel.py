@@ -28,8 +28,8 @@ class Vessel:
     """A system that may be a vessel; `kind` is None until a HEARTBEAT identifies it as one.
 
     kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). A component
-    that has once sent a message of Flotilla's alone stays one. Its position is taken from component
-    1, else from the lowest component heard; times are the listener's, s.
+    that has once sent a message that only Flotilla sends stays a boat. Its position is taken from
+    component 1, else from the lowest component heard; times are the listener's, s.
     """
 
     def __init__(self, system: int, now_s: float) -> None:
@@ -39,7 +39,7 @@ class Vessel:
         self.heard_s = self.beat_s = 0.0
         self.kind: str | None = None
         self.state: str | None = None  # in its last HEARTBEAT
-        self.shown: str | None = None  # the same, if it were a boat
+        self.shown: str | None = None  # the state of a boat with that HEARTBEAT
         self.texts = Texts()
         self.severity: int | None = None  # of the last text, MAV_SEVERITY
         self.motion = Motion()
