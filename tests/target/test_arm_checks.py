@@ -135,7 +135,7 @@ def test_a_check_that_no_longer_fails_lets_the_boat_arm() -> None:
 
 
 @pytest.mark.parametrize("param2", [math.nan, 0.0, float(FORCE)])
-def test_all_well_a_boat_arms_forced_or_not(sea: Sea, param2: float) -> None:
+def test_a_ready_boat_arms_with_and_without_force(sea: Sea, param2: float) -> None:
     sea.settle()
     assert acks(sea.order(ARM, 1.0, param2)) == [(ARM, ACCEPTED)] and sea.state == "HOLD"
 

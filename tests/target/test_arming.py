@@ -12,7 +12,7 @@ from tests.target.stations import ACCEPTED, ARM, DENIED, FORCE, TEMPORARILY_REJE
 
 
 @pytest.mark.parametrize("value", [2.0, -1.0, 0.5, 1.0000001, math.nan, math.inf, -math.inf, 1e30])
-def test_arming_wants_exactly_zero_or_one(sea: Sea, value: float) -> None:
+def test_an_arming_value_other_than_zero_or_one_is_denied(sea: Sea, value: float) -> None:
     sea.settle()
     assert acks(sea.order(ARM, value)) == [(ARM, DENIED)]
     assert sea.state == "DISARMED"

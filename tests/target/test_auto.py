@@ -120,7 +120,7 @@ def test_a_tick_in_which_the_clock_stands_still_leaves_every_number_finite(mode:
 
 
 @pytest.mark.parametrize("way", ["mode", "command", "standard mode", "PX4's"])
-def test_each_way_to_ask_for_auto(way: str) -> None:
+def test_each_form_of_request_starts_auto(way: str) -> None:
     sea = at_sea(CORNER)
     order = {
         "mode": (SET_MODE, 1.0, 10.0),
@@ -133,7 +133,7 @@ def test_each_way_to_ask_for_auto(way: str) -> None:
     assert sea.state == "AUTO"
 
 
-def test_a_part_of_a_plan_is_not_started() -> None:
+def test_mission_start_with_a_part_of_a_plan_is_denied() -> None:
     sea = at_sea(CORNER)
     assert acks(sea.order(MISSION_START, 1.0, 1.0)) == [(MISSION_START, DENIED)]
     assert sea.state == "HOLD"
@@ -301,7 +301,7 @@ def test_speeds_and_waits_of_the_plan_are_kept() -> None:
     assert reached(ticks) == [3] and progress(sea)[2] == COMPLETE
 
 
-def test_a_loiter_without_end_is_the_end() -> None:
+def test_a_plan_ends_at_a_loiter_without_end() -> None:
     sea = sailing([at(5, 0), Item(LOITER, x=0, y=0), at(10, 10)])
     sea.run(60.0)
     assert place(sea) == pytest.approx((5, 0), abs=0.05) and sea.state == "AUTO"
@@ -420,14 +420,14 @@ def test_a_boat_in_auto_tells_its_formation_the_motion_of_its_plan() -> None:
 
 
 @pytest.mark.parametrize("scalar", ["double", "q16"])
-def test_every_arithmetic_sails_the_plan(scalar: str) -> None:
+def test_the_plan_is_sailed_in_every_scalar(scalar: str) -> None:
     sea = sailing(CORNER, scalar=scalar)
     assert reached(sea.run(60.0)) == [0, 1]
     assert sea.state == "AUTO" and place(sea) == pytest.approx((10, 10), abs=0.06)
 
 
 @pytest.mark.parametrize("scalar", ["float", "q16"])
-def test_the_longest_waits_one_after_another_are_no_overflow(scalar: str) -> None:
+def test_consecutive_longest_waits_do_not_overflow(scalar: str) -> None:
     wait = Item(DELAY, (30000.0, 0, 0, 0))
     sea = sailing([at(3, 0, hold_s=30000.0), wait, wait, at(3, 0, hold_s=30000.0)], scalar=scalar)
     sea.run(60.0)

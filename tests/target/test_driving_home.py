@@ -86,7 +86,7 @@ def test_a_boat_with_all_conditions_met_is_armed_without_a_message() -> None:
 
 
 @pytest.mark.parametrize("lost", ["nothing", "battery", "own", "battery and own"])
-def test_an_esc_that_fails_for_a_moment_strands_no_boat(lost: str) -> None:
+def test_after_a_brief_esc_failure_a_boat_can_be_driven_home(lost: str) -> None:
     sea = Sea({"FS_BATT_V": 22.0}, leader=TURN)
     sea.run(3.0)
     sea.enter_formation()
@@ -158,7 +158,7 @@ def test_a_unit_that_is_first_heard_after_arming_counts_where_its_link_is_named(
 
 
 @pytest.mark.parametrize(("x", "r"), [(1000, 0), (-200, 0), (0, 1000), (120, 0), (1000, -1000)])
-def test_manual_that_is_asked_for_with_sticks_off_neutral_waits_for_them(
+def test_manual_requested_with_sticks_off_neutral_gives_no_thrust_until_they_are_neutral(
     sea: Sea, x: int, r: int
 ) -> None:
     """It is not refused, because the law, if it is active, must stop."""

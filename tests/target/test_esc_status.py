@@ -57,7 +57,7 @@ def test_an_esc_is_offline_three_seconds_after_its_last_node_status(sea: Sea) ->
 
 @pytest.mark.parametrize("health", [1, 2, 3])
 @pytest.mark.parametrize("which", [0, 1])
-def test_an_esc_whose_node_is_not_well_is_not_online(sea: Sea, health: int, which: int) -> None:
+def test_an_esc_whose_node_is_not_healthy_is_not_online(sea: Sea, health: int, which: int) -> None:
     sea.escs[which].health = health
     sea.run(1.5)
     assert not sea.condition("escs_online")
@@ -110,7 +110,9 @@ def test_the_frames_of_two_escs_may_interleave(sea: Sea) -> None:
     ],
     ids=str,
 )
-def test_an_esc_may_not_know_its_volts_and_amperes(sea: Sea, changes: dict[str, Any]) -> None:
+def test_an_esc_that_measures_no_voltage_or_current_is_online(
+    sea: Sea, changes: dict[str, Any]
+) -> None:
     sea.escs[0].on = sea.escs[1].on = False
     sea.on_can(node_status(31, 1) + node_status(32, 1))
     sea.on_can(esc_status(31, 0, **changes) + esc_status(32, 1, rpm=-131072, error_count=2**32 - 1))

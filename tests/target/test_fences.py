@@ -264,7 +264,7 @@ def test_a_client_that_may_not_command_reads_and_changes_nothing(kind: int) -> N
         (lambda kind: mavlink.MAVLink_mission_clear_all_message(BOAT, 1, kind), ITEM_ACCEPTED),
     ],
 )
-def test_kinds_that_there_are_not_are_neither_taken_nor_there(
+def test_unknown_mission_types_are_refused(
     still: Sea, kind: int, message: Callable[[int], Any], result: int
 ) -> None:
     send(still, FENCE, FENCED)
@@ -317,7 +317,7 @@ BAD: list[tuple[list[Item], int, int]] = [
 
 
 @pytest.mark.parametrize("items", GOOD, ids=range(len(GOOD)))
-def test_fences_that_boats_know(still: Sea, items: list[Item]) -> None:
+def test_every_supported_fence_item_is_accepted_and_returned(still: Sea, items: list[Item]) -> None:
     assert send(still, FENCE, items) == ITEM_ACCEPTED
     assert plan_of(still, FENCE) == as_sent(items)
 

@@ -47,7 +47,7 @@ def test_a_request_for_an_escs_name_is_answered(node: int) -> None:
     assert kinds.count(Kind.RESPONSE) == (18 if node in (21, 22) else 0)
 
 
-def test_escs_heed_another_controller_as_they_do_alone() -> None:
+def test_another_controller_has_the_same_effect_in_a_fleet_as_on_one_boat() -> None:
     twins = alone()
     rng = random.Random(3)
     raw, arming = (Publisher(kind, 7, OTHER) for kind in (RAW_COMMAND, ARMING_STATUS))
@@ -87,7 +87,7 @@ def damaged(rng: random.Random, frames: list[tuple[int, bytes]]) -> list[tuple[i
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_escs_survive_damage_on_the_bus(seed: int) -> None:
+def test_damaged_frames_have_the_same_effect_in_a_fleet_as_on_one_boat(seed: int) -> None:
     twins = alone()
     rng = random.Random(seed)
     kinds: list[DataType] = [RAW_COMMAND, ARMING_STATUS]

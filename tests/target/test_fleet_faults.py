@@ -37,7 +37,7 @@ def test_a_silent_unit_says_nothing_and_takes_up_again() -> None:
     assert len(positions(sea.sail(100), 1)) == 100
 
 
-def test_a_frozen_unit_says_the_same_with_new_stamps() -> None:
+def test_a_frozen_unit_repeats_its_state_with_new_stamps() -> None:
     sea = Troubled()
     sea.fail(1, "own_frozen")
     told = positions(sea.sail(50), 1)
@@ -123,7 +123,7 @@ def test_a_pilots_receiver_tells_switch_and_throttle_and_rests_afterwards() -> N
 # -- the ESCs
 
 
-def test_a_silent_esc_says_nothing_and_turns() -> None:
+def test_a_silent_esc_turns_until_the_boat_is_in_fault() -> None:
     sea = Troubled()
     sea.fail(1, "esc_silent", esc="port")
     nodes = {type_of(can_id)[2] for can_id, _ in frames(sea.sail(100), 1, to_boat=True)}
@@ -146,7 +146,7 @@ def test_a_stuck_esc_ignores_commands() -> None:
     assert not sea.commands[0].any()
 
 
-def test_a_reversed_esc_turns_the_other_way_and_denies_it() -> None:
+def test_a_reversed_esc_turns_and_reports_the_other_way() -> None:
     well, ill = Troubled(), Troubled()
     ill.fail(1, "esc_reversed", esc="stbd")
     (port, stbd), (ill_port, ill_stbd) = (rpms(sea.sail(5)) for sea in (well, ill))
@@ -193,7 +193,7 @@ def test_an_esc_says_another_voltage(volts: float) -> None:
 # -- the bus
 
 
-def test_a_bus_that_is_off_carries_nothing_and_the_host_knows() -> None:
+def test_a_bus_that_is_off_carries_no_frames_and_is_reported_down() -> None:
     sea = Troubled()
     sea.fail(1, "bus_off")
     records = sea.sail(1)
@@ -285,7 +285,7 @@ def test_a_late_radio_is_late_both_ways_and_byte_for_byte() -> None:
     assert dict(said(records, 1)) == dict(heard(records, 2, RADIO))
 
 
-def test_an_impostor_says_another_place_under_the_same_id() -> None:
+def test_an_impostor_sends_another_position_with_the_same_id() -> None:
     sea = Troubled()
     sea.fail(0, "impostor", value=25.0)
     told = [m for m in positions(sea.sail(2), 1, RADIO) if m.get_srcSystem() == 100]
@@ -320,7 +320,7 @@ def test_a_vessels_clock_jumps_and_jumps_back(by_s: float) -> None:
     assert later.time_boot_ms - before.time_boot_ms == 20
 
 
-def test_a_killed_boat_is_mute_and_a_new_one_has_its_parameters() -> None:
+def test_a_restarting_boat_is_silent_and_keeps_its_parameters() -> None:
     sea = Troubled()
     before = sea.fleet.parameters(1)
     sea.fail(1, "restart")

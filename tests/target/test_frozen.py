@@ -78,7 +78,7 @@ def test_a_boat_that_lies_still_with_exact_instruments_may_be_armed() -> None:
     sea.enter_hold()
 
 
-def test_a_place_that_sticks_beside_a_velocity_that_lives_is_frozen() -> None:
+def test_a_position_that_stops_changing_is_frozen_even_if_the_velocity_changes() -> None:
     sea = sailing()
     here = sea.own.truth(sea.now_us)
     sea.own.measured = lambda now_us: replace(

@@ -193,7 +193,7 @@ def test_the_boat_reports_where_its_files_are_and_their_checksums(sea: Sea) -> N
 
 
 @pytest.mark.parametrize("session", [0, 1, 7, 255])
-def test_the_session_number_is_the_clients(sea: Sea, session: int) -> None:
+def test_the_client_chooses_the_session_number(sea: Sea, session: int) -> None:
     sea.settle()
     client = Client(sea, session=session)
     assert client.download_by_reads(b"/general.json") == FILES["general.json"]
@@ -276,7 +276,7 @@ def test_the_folder_lists_both_files(client: Client) -> None:
     assert (answer.opcode, answer.data) == (NAK, bytes([EOF]))
 
 
-def test_a_session_that_was_ended_is_no_longer_there(client: Client) -> None:
+def test_an_ended_session_is_invalid(client: Client) -> None:
     for end in (TERMINATE, RESET):
         client.open(b"/general.json")
         assert client.ask(end).opcode == ACK

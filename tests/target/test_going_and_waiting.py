@@ -254,7 +254,7 @@ def test_loiter_goes_on_from_formation_and_formation_from_loiter() -> None:
 
 
 @pytest.mark.parametrize("way", ["mode", "command", "standard mode", "PX4's"])
-def test_each_way_to_call_a_boat_home(way: str) -> None:
+def test_each_form_of_request_brings_a_boat_home(way: str) -> None:
     sea = sailing([at(15, 0)])
     sea.run(20.0)
     order = {

@@ -60,7 +60,7 @@ def test_with_sticks_in_his_hands_the_operator_drives_on() -> None:
     assert sea.state == "MANUAL" and any(sea.commands)
 
 
-def test_coast_for_want_of_a_ground_station_ends_when_it_is_heard_or_time_is_over() -> None:
+def test_coast_ends_when_the_ground_station_is_heard_or_its_time_is_over() -> None:
     for heard in (True, False):
         sea = sailing({"FS_GCS_ACT": 1.0})
         sea.on = False
@@ -81,7 +81,7 @@ def test_of_two_losses_the_more_careful_choice_counts() -> None:
     assert texts([sea.ticks[-1]]) == [f"HOLD: {LOST}"]
 
 
-def test_a_boat_that_has_to_hear_a_ground_station_is_not_armed_without() -> None:
+def test_a_boat_that_requires_a_ground_station_does_not_arm_without_one() -> None:
     sea = Watched({})
     sea.on = False
     sea.settle()
@@ -93,7 +93,7 @@ def test_a_boat_that_has_to_hear_a_ground_station_is_not_armed_without() -> None
     assert sea.state == "HOLD"
 
 
-def test_without_a_limit_nobody_has_to_be_there() -> None:
+def test_with_fs_gcs_s_0_no_ground_station_is_required() -> None:
     sea = Watched({"FS_GCS_S": 0.0})
     sea.on = False
     sea.enter_formation()
@@ -102,7 +102,7 @@ def test_without_a_limit_nobody_has_to_be_there() -> None:
 
 
 @pytest.mark.parametrize("kind", [mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_TYPE_GENERIC])
-def test_only_ground_stations_are_ground_stations(kind: int) -> None:
+def test_heartbeats_of_other_types_are_no_ground_station(kind: int) -> None:
     sea = Watched({})
     sea.kind = kind
     sea.run(2.0)
@@ -120,14 +120,14 @@ def test_where_one_ground_station_commands_only_that_one_counts() -> None:
     assert sea.state == "DISARMED"
 
 
-def test_a_ground_station_on_board_does_not_tell_that_the_operator_hears_the_boat() -> None:
+def test_a_ground_station_on_board_does_not_count() -> None:
     sea = sailing()
     sea.beats_as = Station(BOAT, 190)
     sea.run(3.0)
     assert sea.state == "HOLD"
 
 
-def test_any_link_will_do() -> None:
+def test_a_ground_station_on_any_link_counts() -> None:
     sea = Watched({}, links=2)
     sea.link = 1
     sea.run(2.0)

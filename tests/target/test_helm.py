@@ -111,7 +111,7 @@ def test_rows_that_are_not_as_many_as_the_helms_are_refused() -> None:
         flotilla.Helms({}, 3).set_state(np.zeros((2, 22)))
 
 
-def test_each_of_the_numbers_counts() -> None:
+def test_each_number_of_the_state_affects_the_output() -> None:
     parameters = SLOT | {"LAW_U_MAX": 0.0, "LAW_R_MAX": 0.0}
     helm = flotilla.Helm(parameters)
     sail(helm, 1, 22)
@@ -162,7 +162,7 @@ def assert_alike(sea: Sea, told: dict[str, Any], *keys: str) -> None:
 
 @LAWS
 @pytest.mark.parametrize("own_period_us", [10_000, 50_000])
-def test_a_boat_that_hears_the_same_does_the_same(
+def test_a_helm_computes_the_same_as_a_boat_with_the_same_input(
     parameters: dict[str, float], own_period_us: int
 ) -> None:
     """From arming to the first driven tick, to the precision of the messages."""

@@ -41,7 +41,7 @@ def test_the_home_is_given_back_and_never_sailed_to() -> None:
     assert place(sea) == pytest.approx((6, 6), abs=0.05)
 
 
-def test_to_begin_anew_is_to_begin_at_the_first_waypoint() -> None:
+def test_set_current_to_item_0_begins_at_the_first_waypoint() -> None:
     sea = at_sea([HOME, *WAY], ARDUPILOT)
     for item in (2, 0):
         sea.say(mavlink.MAVLink_mission_set_current_message(BOAT, 1, item))

@@ -33,7 +33,7 @@ def sailing() -> Afloat:
     [{"north": 5.0}, {"east": -100.0}, {"psi": 1.5}, {"u": 8.0}, {"r": 10.0}],
     ids=lambda off: next(iter(off)),
 )
-def test_one_state_of_the_leader_that_cannot_be_moves_nothing(off: dict[str, float]) -> None:
+def test_one_impossible_state_of_the_leader_changes_nothing(off: dict[str, float]) -> None:
     sea = sailing()
     truth = sea.leader.truth(sea.now_us)
     wrong = replace(truth, **{name: getattr(truth, name) + by for name, by in off.items()})
@@ -53,7 +53,7 @@ def test_one_state_of_the_leader_that_cannot_be_moves_nothing(off: dict[str, flo
     assert sea.state == "FORMATION" and sea.counter("mavlink_jump") == 1
 
 
-def test_an_own_place_that_cannot_be_stops_the_boat_at_once() -> None:
+def test_an_impossible_own_position_stops_the_boat_at_once() -> None:
     sea = sailing()
     truth = sea.own.truth(sea.now_us)
     sea.say(odometry(replace(truth, north=truth.north + 8.0), sea.now_us), sender=sea.own.station)
@@ -65,7 +65,7 @@ def test_an_own_place_that_cannot_be_stops_the_boat_at_once() -> None:
     assert sea.condition("own_steady")
 
 
-def test_a_new_place_is_believed_after_a_second() -> None:
+def test_a_new_own_position_is_accepted_after_a_second() -> None:
     sea = sailing()
     begin_us = sea.now_us
     sea.own.measured = lambda now_us: replace(
@@ -150,7 +150,7 @@ def test_a_leader_that_reboots_or_whose_message_comes_late_is_one_vessel(late_s:
     assert not [text for text in texts(sea.ticks) if "two vessels" in text]
 
 
-def test_a_boat_on_its_trailer_may_go_fast_but_not_be_elsewhere() -> None:
+def test_a_disarmed_boat_may_be_fast_but_may_not_jump() -> None:
     sea = Sea(own=Course(0.0, 0.0, 0.3, 15.0))
     sea.run(5.0)
     assert sea.condition("own_steady")

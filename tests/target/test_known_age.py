@@ -76,7 +76,7 @@ def test_the_age_of_a_sender_that_answers_nothing_or_too_late_is_unknown(
 
 
 @pytest.mark.parametrize("who", ["own", "leader"])
-def test_a_latency_that_is_named_is_believed(who: str) -> None:
+def test_a_latency_set_as_a_parameter_is_used(who: str) -> None:
     sea = prompt_sea()
     agent = getattr(sea, who)
     agent.answers_timesync, agent.delay_us = False, 200_000
@@ -110,7 +110,9 @@ def test_answers_that_contradict_the_stamps_tell_no_age(ahead_s: float) -> None:
 
 
 @pytest.mark.parametrize("who", ["own", "leader"])
-def test_a_latency_that_is_named_is_for_senders_that_answer_nothing(who: str) -> None:
+def test_a_latency_set_as_a_parameter_is_not_used_for_senders_with_contradictory_answers(
+    who: str,
+) -> None:
     """Its answers contradict its stamps; from then on the radio is three seconds late."""
     sea = prompt_sea(NAV_LAG_S=0.0, FORM_LAG_S=0.0)
     agent = getattr(sea, who)

@@ -135,7 +135,7 @@ def test_a_boat_that_does_not_know_its_place_is_armed_for_manual_only() -> None:
         assert (f"armed, no FORMATION: {FAR}" in sentences([tick])) == bool(fence_m)
 
 
-def test_without_limits_there_is_no_fence_and_any_battery_will_do() -> None:
+def test_without_limits_there_is_no_fence_and_no_low_battery() -> None:
     sea = at_sea()
     sea.escs[0].voltage = sea.escs[1].voltage = 0.5
     sea.run(5.0)

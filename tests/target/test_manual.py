@@ -77,7 +77,7 @@ def test_each_stick_turns_the_propellers_its_way(
         (-1000, 500, (0, -1)),
     ],
 )
-def test_a_full_stick_is_all_that_there_is_and_yaw_comes_first_ahead(
+def test_a_full_stick_gives_full_thrust_with_priority_to_yaw(
     sea: Sea, x: int, r: int, share: tuple[int, int]
 ) -> None:
     enter_manual(sea)
@@ -85,7 +85,7 @@ def test_a_full_stick_is_all_that_there_is_and_yaw_comes_first_ahead(
     assert sea.commands == pytest.approx([FULL_SCALE * s for s in share], abs=1)
 
 
-def test_astern_a_full_stick_is_the_propellers_own_maximum_there() -> None:
+def test_a_full_stick_gives_each_directions_own_greatest_thrust() -> None:
     sea = Sea({"THR_FWD_MAX": 30, "THR_REV_MAX": 12})
     enter_manual(sea)
     drive(sea, -1000)
@@ -119,7 +119,7 @@ def test_other_sticks_and_buttons_do_nothing(sea: Sea) -> None:
             assert sea.state == "MANUAL" and sea.commands == (0, 0)
 
 
-def test_manual_looks_manual_to_ground_stations(sea: Sea) -> None:
+def test_the_heartbeat_shows_manual(sea: Sea) -> None:
     enter_manual(sea)
     beat = named(drive(sea, 0, 0, 1.2), "HEARTBEAT")[-1]
     assert (beat.custom_mode, beat.base_mode, beat.system_status) == (0, 1 | 64 | 128, 4)
@@ -155,9 +155,7 @@ def test_sticks_that_come_back_in_time_keep_the_boat_in_manual(sea: Sea) -> None
 
 @pytest.mark.parametrize("axis", ["x", "r"])
 @pytest.mark.parametrize("value", [32767, -32768, 1001, -1001, 20000])
-def test_sticks_that_say_nonsense_are_counted_and_forgotten(
-    sea: Sea, axis: str, value: int
-) -> None:
+def test_invalid_sticks_are_counted_and_ignored(sea: Sea, axis: str, value: int) -> None:
     enter_manual(sea)
     drive(sea, 200)
     driven, bad = sea.commands, sea.counter("mavlink_bad_value")
@@ -230,7 +228,7 @@ def test_from_formation_to_manual_and_back(sea: Sea) -> None:
     assert texts(sea.ticks) == ["HOLD", "FORMATION", "MANUAL", CENTRE, "FORMATION"]
 
 
-def test_the_old_message_sets_manual_too_and_is_not_answered(sea: Sea) -> None:
+def test_set_mode_requests_manual_without_an_ack(sea: Sea) -> None:
     sea.enter_hold()
     sea.say(sticks(), set_mode_message(MANUAL))
     assert not sea.step().named("COMMAND_ACK") and sea.state == "MANUAL"

@@ -85,7 +85,7 @@ def settled(sea: Sea) -> Sea:
     return sea
 
 
-def test_the_defaults_are_as_often_as_they_should_be(settled: Sea) -> None:
+def test_every_message_is_sent_at_its_default_rate(settled: Sea) -> None:
     ticks = settled.run(10.0)
     for message_id, times in IN_TEN_SECONDS.items():
         assert count(ticks, message_id) == times, kind_of(message_id)
@@ -286,7 +286,7 @@ def test_no_state_is_sent_to_a_full_radio_where_none_was_wanted() -> None:
     assert not count(complaining(sea, 5.0, 0), POSITION)
 
 
-def test_a_radio_that_says_nothing_more_has_no_complaints(settled: Sea) -> None:
+def test_a_radio_silent_for_five_seconds_no_longer_slows_its_link(settled: Sea) -> None:
     radio_says(settled, 0, times=50)
     assert said(settled, POSITION, 4.9) == pytest.approx(10, abs=1)
     settled.run(0.7)  # the turn after that
@@ -295,7 +295,7 @@ def test_a_radio_that_says_nothing_more_has_no_complaints(settled: Sea) -> None:
     assert said(settled, POSITION, 4.0) == pytest.approx(32, abs=1)
 
 
-def test_a_radio_that_goes_on_is_believed_longer(settled: Sea) -> None:
+def test_a_radio_that_keeps_reporting_keeps_slowing_its_link(settled: Sea) -> None:
     radio_says(settled, 0, times=50)
     ticks = complaining(settled, 24.0, every_s=4.0)
     assert count(ticks, POSITION) == pytest.approx(48, abs=1)
@@ -335,7 +335,9 @@ def test_a_radio_slows_its_own_link_only() -> None:
 
 
 @pytest.mark.parametrize("station", [(51, 69), (GCS, 190), (BOAT, 197)], ids=str)
-def test_only_a_radio_slows_its_link(settled: Sea, station: tuple[int, int]) -> None:
+def test_radio_status_of_other_systems_slows_no_link(
+    settled: Sea, station: tuple[int, int]
+) -> None:
     for _ in range(50):
         message = mavlink.MAVLink_radio_status_message(200, 200, 0, 40, 40, 0, 0)
         settled.say(message, sender=Station(*station))

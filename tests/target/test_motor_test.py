@@ -155,7 +155,7 @@ def test_a_motor_test_that_is_too_much_or_makes_no_sense_is_denied(
 
 
 @pytest.mark.parametrize(("percent", "seconds"), [(0.0, 1.0), (10.0, 0.0)])
-def test_a_test_of_nothing_turns_nothing(sea: Sea, percent: float, seconds: float) -> None:
+def test_a_motor_test_of_zero_turns_no_propeller(sea: Sea, percent: float, seconds: float) -> None:
     sea.enter_hold()
     sea.run(0.3)
     tick = sea.order(MOTOR_TEST, PORT, PERCENT, percent, seconds)
@@ -164,7 +164,7 @@ def test_a_test_of_nothing_turns_nothing(sea: Sea, percent: float, seconds: floa
 
 @pytest.mark.parametrize("count", [math.nan, 0.0, 1.0])
 @pytest.mark.parametrize("order", [math.nan, 0.0, 2.0])
-def test_one_motor_in_any_order_is_understood(sea: Sea, count: float, order: float) -> None:
+def test_a_test_of_one_motor_is_accepted_in_any_order(sea: Sea, count: float, order: float) -> None:
     sea.enter_hold()
     sea.run(0.3)
     tick = sea.order(MOTOR_TEST, PORT, PERCENT, 10.0, 1.0, count, order)
@@ -321,7 +321,7 @@ def test_after_arming_the_escs_see_zeros_before_a_test_too(sea: Sea) -> None:
     assert turned[-1] - armed_us <= 1.05e6
 
 
-def test_a_stranger_tests_nothing() -> None:
+def test_a_strangers_motor_test_is_denied() -> None:
     sea = Sea({"MAV_GCS_SYSID": 250})
     sea.gcs = Station(250, 190)
     sea.enter_hold()

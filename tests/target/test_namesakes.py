@@ -85,7 +85,7 @@ def test_an_echo_older_than_eight_heartbeats_counts_as_another_sender(sea: Sea) 
     assert doubles(sea.ticks)
 
 
-def test_our_own_words_heard_again_are_neither_obeyed_nor_handed_on() -> None:
+def test_our_own_messages_heard_again_are_neither_obeyed_nor_forwarded() -> None:
     sea = known(2, {1: [OTHER]})
     for message in (command_long(ARM, 1.0), command_long(ARM, 1.0, target=TO_OTHER)):
         frame = Station(BOAT, 1).pack(message)

@@ -132,7 +132,7 @@ def test_a_leader_that_nobody_has_heard_is_not_followed(chunks: int, how: str) -
 
 
 @TOGETHER
-def test_a_boat_on_the_sticks_does_not_follow_a_leader_that_is_not_there(
+def test_a_boat_in_manual_does_not_follow_a_leader_that_it_does_not_hear(
     sea: Sea, chunks: int
 ) -> None:
     enter_manual(sea)
@@ -230,7 +230,7 @@ def ping(k: int) -> Any:
 
 
 @pytest.mark.parametrize("flood", ["PINGs", "questions"])
-def test_a_disarm_behind_an_arming_that_has_to_wait_is_the_last_word(flood: str) -> None:
+def test_a_disarm_behind_a_waiting_arming_is_obeyed_last(flood: str) -> None:
     """Answers fill the tick; requests that wait for the next one must not undo the disarm."""
     for n in range(23):
         sea = Sea(links=1)
@@ -242,7 +242,7 @@ def test_a_disarm_behind_an_arming_that_has_to_wait_is_the_last_word(flood: str)
         assert sea.state == "DISARMED", n
 
 
-def test_a_disarm_is_the_last_word_where_others_words_fill_the_tick() -> None:
+def test_a_disarm_is_obeyed_last_though_answers_and_forwarding_fill_the_tick() -> None:
     """400 forwarded bytes, ten values, twenty PINGs."""
     for n in range(21):
         sea = Sea(links=2)

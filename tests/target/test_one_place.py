@@ -96,7 +96,7 @@ def test_a_disarmed_boat_takes_another_unit_when_its_own_is_silent() -> None:
 
 
 @pytest.mark.parametrize("pin", [{"NAV_COMPID": 10.0}, {"NAV_LINK": 1.0}])
-def test_a_pinned_source_is_the_only_one(pin: dict[str, float]) -> None:
+def test_only_the_source_set_by_parameters_is_used(pin: dict[str, float]) -> None:
     sea = Sea(pin, links=2)
     sea.run(1.0)
     assert sea.snapshot()["own_age_s"] is None
@@ -117,7 +117,7 @@ def test_a_pin_that_is_set_later_changes_the_source() -> None:
 
 
 @pytest.mark.parametrize("agent", ["own", "leader"])
-def test_another_kind_of_message_does_not_move_a_vessel(agent: str) -> None:
+def test_a_change_of_message_kind_does_not_move_a_vessel(agent: str) -> None:
     sea = sailing()
     whose = getattr(sea, agent)
     whose.on = False

@@ -127,7 +127,7 @@ def test_two_who_ask_for_the_list_both_get_it_and_who_asks_again_gets_it_again()
             assert [v.param_index for v in values(ticks, link)] == list(range(len(LIST)))
 
 
-def test_a_list_asked_for_while_it_runs_is_whole_afterwards(sea: Sea) -> None:
+def test_a_list_requested_again_while_it_is_sent_is_complete(sea: Sea) -> None:
     sea.settle()
     sea.say(param_list())
     sea.run(0.04)
@@ -136,7 +136,7 @@ def test_a_list_asked_for_while_it_runs_is_whole_afterwards(sea: Sea) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_client_that_lost_half_of_the_list_asks_for_the_rest(seed: int) -> None:
+def test_a_client_can_request_lost_parts_of_the_list(seed: int) -> None:
     rng = random.Random(seed)
     sea = Sea()
     sea.settle()

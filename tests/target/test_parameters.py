@@ -219,7 +219,7 @@ def test_a_value_beyond_its_range_is_refused_with_name_and_range(
 
 @EACH
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf], ids=["nan", "inf", "-inf"])
-def test_a_value_that_is_no_number_is_refused_by_name(p: dict[str, Any], value: float) -> None:
+def test_a_nan_or_infinite_value_is_refused_by_name(p: dict[str, Any], value: float) -> None:
     assert p["name"] in refusal({p["name"]: value})
 
 
@@ -280,7 +280,7 @@ def test_one_wrong_value_among_right_ones_is_the_one_named() -> None:
     assert not any(name in said for name in ("MAV_SYSID", "FORM_LEADER", "SR_STATE"))
 
 
-def test_whole_numbers_and_booleans_are_numbers() -> None:
+def test_whole_numbers_and_booleans_are_accepted() -> None:
     assert flotilla.Boat({"MAV_SYSID": 2}).parameters()["MAV_SYSID"] == 2.0
     assert flotilla.Boat({"THR_PORT_DIR": True}).parameters()["THR_PORT_DIR"] == 1.0
 

@@ -173,7 +173,9 @@ BAD = [
 
 
 @pytest.mark.parametrize("item", GOOD, ids=str)
-def test_items_that_boats_know(planner: Planner, sea: Sea, item: Item) -> None:
+def test_every_supported_item_is_accepted_and_returned(
+    planner: Planner, sea: Sea, item: Item
+) -> None:
     plan = [at(0, 0), item]
     assert planner.send(plan) == ITEM_ACCEPTED and plan_of(sea) == as_sent(plan)
 

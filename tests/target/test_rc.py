@@ -133,7 +133,7 @@ def test_a_receiver_that_repeats_its_last_pulses_leads_to_hold() -> None:
     assert sea.state == "MANUAL"
 
 
-def test_another_boats_receiver_may_be_lost() -> None:
+def test_a_lost_receiver_of_another_boat_changes_nothing() -> None:
     sea = at_sea(WITH_RC)
     sea.say(status(healthy=False), sender=Station(LEADER, 1))
     hold(sea, rc(on=True), 0.2)
@@ -141,19 +141,19 @@ def test_another_boats_receiver_may_be_lost() -> None:
 
 
 @pytest.mark.parametrize("sender", [Station(LEADER, 1), Station(77, 140), Station(255, 190)])
-def test_nobody_elses_receiver_counts(sender: Station) -> None:
+def test_rc_of_another_sender_is_ignored(sender: Station) -> None:
     sea = at_sea(WITH_RC)
     hold(sea, rc(ahead=1.0, on=True), 0.5, sender)
     assert sea.state == "FORMATION"
 
 
-def test_only_who_may_command_overrides() -> None:
+def test_an_rc_override_of_a_station_that_may_not_command_is_ignored() -> None:
     sea = at_sea(WITH_RC | {"MAV_GCS_SYSID": 255.0})
     hold(sea, override(on=True), 0.5, Station(254, 190))
     assert sea.state == "FORMATION"
 
 
-def test_without_a_switch_rc_is_not_looked_at() -> None:
+def test_without_a_switch_rc_is_ignored() -> None:
     sea = at_sea()
     hold(sea, rc(ahead=1.0, on=True), 0.5)
     assert sea.state == "FORMATION"

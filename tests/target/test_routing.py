@@ -350,7 +350,7 @@ def radio_status(txbuf: int = 40) -> Any:
 
 
 @pytest.mark.parametrize("policy", ["off", "required"])
-def test_a_radio_does_not_say_where_somebody_is(policy: str) -> None:
+def test_radio_status_adds_no_route(policy: str) -> None:
     """A radio's own messages are unsigned, whatever system id they have."""
     sea = Sea(links=3)
     sea.boat.secure(bytes(range(32)), 1_800_000_000_000_000)
@@ -364,7 +364,7 @@ def test_a_radio_does_not_say_where_somebody_is(policy: str) -> None:
     assert not [t for t in sea.run(0.5) if frame in sent(t, 1) or frame in sent(t, 2)]
 
 
-def test_a_radio_does_not_keep_somebody_where_he_was() -> None:
+def test_radio_status_does_not_keep_a_route_alive() -> None:
     sea = two_links()
     for _ in range(24):
         sea.say(radio_status(), sender=OTHER, link=1)
@@ -375,7 +375,7 @@ def test_a_radio_does_not_keep_somebody_where_he_was() -> None:
 
 
 @pytest.mark.parametrize("station", [(BOAT, 197), (LEADER, 1), (BOAT, 1)], ids=str)
-def test_a_radios_word_under_our_own_or_our_leaders_name_does_no_harm(
+def test_radio_status_with_our_or_our_leaders_id_changes_nothing(
     station: tuple[int, int],
 ) -> None:
     plain, beset = Sea(leader=TURN), Sea(leader=TURN)

@@ -109,7 +109,7 @@ def test_who_comes_too_near_does_not_end_a_formation() -> None:
     assert not sea.condition("clear") and sea.state == "FORMATION"
 
 
-def test_it_stops_or_turns_for_a_vessel_in_its_way_says_how_near_and_goes_on_after() -> None:
+def test_it_yields_to_a_vessel_ahead_reports_the_distance_and_continues_afterwards() -> None:
     sea = boat()
     sea.enter_formation()
     sea.run(1.0)
@@ -139,7 +139,7 @@ def test_it_stops_or_turns_for_a_vessel_in_its_way_says_how_near_and_goes_on_aft
         mavlink.MAV_TYPE_GIMBAL,
     ],
 )
-def test_other_systems_than_vessels_are_no_obstacles(kind: int) -> None:
+def test_systems_that_are_no_vessels_are_no_obstacles(kind: int) -> None:
     sea = boat()
     sea.enter_formation()
     meet(sea, 1.0, 1.0, kind)

@@ -339,7 +339,7 @@ STOPS = {
 
 @pytest.mark.parametrize("late_s", [-7200, 7200])
 @pytest.mark.parametrize("what", STOPS)
-def test_a_stop_is_obeyed_whatever_the_clocks_say_but_once(what: str, late_s: int) -> None:
+def test_a_stop_is_obeyed_at_any_timestamp_but_only_once(what: str, late_s: int) -> None:
     sea = Sailor()
     assert sea.armed()
     sea.hear(sea.operator.pack(command_long(176, 1.0, 6.0)))

@@ -51,7 +51,7 @@ def test_a_boat_that_stops_says_state_and_reason(who: str) -> None:
 
 
 @pytest.mark.parametrize("who", ["own", "leader"])
-def test_hold_stays_when_they_speak_again(who: str) -> None:
+def test_a_boat_in_hold_stays_there_when_the_silent_sender_returns(who: str) -> None:
     sea = at_sea({"FS_LEADER_ACT": 0.0})
     sea.silence(who)
     sea.run(1.5)
@@ -74,7 +74,7 @@ def test_a_gap_shorter_than_the_limit_changes_nothing(who: str) -> None:
         assert sea.state == "FORMATION" and all(any(t.commands) for t in ticks)
 
 
-def test_all_silent_at_once_is_a_stopped_boat() -> None:
+def test_a_boat_stops_when_all_senders_fall_silent_at_once() -> None:
     sea = at_sea()
     sea.own.on = sea.leader.on = sea.escs[0].on = sea.escs[1].on = False
     sea.run(1.3)

@@ -44,7 +44,7 @@ def test_a_leader_may_send_local_position_and_attitude(sea: Sea) -> None:
 
 
 @pytest.mark.parametrize("missing", ["LOCAL_POSITION_NED", "ATTITUDE"])
-def test_half_a_state_is_no_state(sea: Sea, missing: str) -> None:
+def test_position_or_attitude_alone_is_no_state(sea: Sea, missing: str) -> None:
     sea.own.on = False
     for _ in range(20):
         half = attitude if missing == "LOCAL_POSITION_NED" else local_position

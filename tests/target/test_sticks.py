@@ -109,7 +109,7 @@ def test_the_first_operator_may_go_on_by_another_link_after_five_seconds_of_sile
     assert sea.state == "MANUAL" and all(c < 0 for c in sea.commands)
 
 
-def test_nonsense_does_not_take_the_sticks(sea: Sea) -> None:
+def test_invalid_sticks_do_not_take_control(sea: Sea) -> None:
     sea.enter_hold()
     sea.say(sticks(32767), sender=Station(77, 1))
     sea.say(sticks(0))

@@ -60,7 +60,7 @@ def test_a_state_is_stamped_with_the_time_of_that_state(voyage: Sea) -> None:
     assert stamps == sorted(set(stamps))
 
 
-def test_a_boat_adrift_says_how_fast_it_drifts(sea: Sea) -> None:
+def test_a_drifting_boat_reports_its_velocity_and_yaw_rate(sea: Sea) -> None:
     sea.own.course = Course(1.0, 2.0, 0.3, 0.6, 0.1, 0.05)
     sea.run(5.0)
     sea.ticks.clear()
@@ -126,7 +126,7 @@ def test_without_own_origin_no_origin_is_sent(sea: Sea) -> None:
     assert not named(sea.ticks, "GPS_GLOBAL_ORIGIN")
 
 
-def test_the_antennas_place_is_taken_off_position_and_velocity() -> None:
+def test_position_and_velocity_are_corrected_for_the_antennas_offset() -> None:
     # v of the antenna = v of the boat + r × place: u − r·y_ofs, v + r·x_ofs.
     sea = Sea({"NAV_OFS_X": 2.0, "NAV_OFS_Y": -1.0})
     sea.own.on = False

@@ -76,7 +76,7 @@ def test_a_termination_is_reported_at_once_by_a_critical_text_and_a_heartbeat(st
 
 
 @pytest.mark.parametrize("value", [0.0, 2.0, -1.0, 0.5, math.nan, math.inf])
-def test_a_termination_wants_exactly_one(value: float) -> None:
+def test_a_termination_with_another_value_than_one_is_denied(value: float) -> None:
     sea = enter("FORMATION")
     assert acks(sea.order(TERMINATE, value)) == [(TERMINATE, DENIED)]
     assert sea.state == "FORMATION" and any(sea.commands)

@@ -61,7 +61,7 @@ def test_a_propeller_that_gives_nothing_is_seen_within_five_seconds(
     assert sea.state == "HOLD" and not sea.condition("boat_answers")
 
 
-def test_thrust_may_be_tried_again_when_the_propellers_have_rested() -> None:
+def test_formation_is_accepted_again_after_the_propellers_rested() -> None:
     sea = sailing({})
     sea.shares = (-1.0, -1.0)
     stops_after(sea)

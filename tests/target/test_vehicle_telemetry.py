@@ -166,7 +166,7 @@ def test_home_is_where_the_boat_was_armed() -> None:
     assert (again.latitude, again.longitude) == (home.latitude, home.longitude)
 
 
-def test_home_lies_as_high_as_the_boat(sea: Sea) -> None:
+def test_home_has_the_altitude_of_the_boats_origin(sea: Sea) -> None:
     """Clients subtract one from the other; a boat's home has the height of its lake."""
     sea.run(1.0)
     (home,), (place,) = sea.ask(242), sea.ask(33)
@@ -180,7 +180,7 @@ def test_a_boat_that_never_knew_its_place_has_no_home(sea: Sea) -> None:
     assert acks(sea.order(512, 242.0)) == [(512, 1)]
 
 
-def test_the_clock_is_the_hosts(sea: Sea) -> None:
+def test_system_time_is_the_hosts_clock(sea: Sea) -> None:
     epoch_us = 1_790_000_000_000_000
     for _ in range(300):
         sea.boat.on_host(unix_us=epoch_us + sea.now_us)

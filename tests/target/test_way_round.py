@@ -155,7 +155,7 @@ def test_rtl_from_outside_the_fence_sails_home() -> None:
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
 
 
-def test_under_way_home_a_boat_judges_its_way_again() -> None:
+def test_a_boat_in_rtl_finds_a_way_round_a_fence_enabled_later() -> None:
     """The fence is on only when the boat is under way: its straight leg leads through a wall."""
     sea = away((20, 0))
     assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED
@@ -174,7 +174,7 @@ def test_under_way_home_a_boat_judges_its_way_again() -> None:
 
 
 @pytest.mark.parametrize("state", ["RTL", "GUIDED"])
-def test_under_way_a_boat_that_has_no_way_any_more_waits(state: str) -> None:
+def test_a_boat_in_rtl_waits_if_a_fence_closes_its_way(state: str) -> None:
     sea = away((20, 0))
     ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
     ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])

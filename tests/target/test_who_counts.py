@@ -41,7 +41,7 @@ def test_the_boats_own_echo_is_not_its_navigation_unit(sea: Sea) -> None:
     assert not sea.condition("own_fresh")
 
 
-def test_all_that_the_boat_says_may_come_back_to_it() -> None:
+def test_an_echo_of_all_its_messages_changes_nothing() -> None:
     quiet, echoing = Sea(), Sea()
     for sea in (quiet, echoing):
         sea.enter_formation()

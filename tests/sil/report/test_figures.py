@@ -33,7 +33,7 @@ def test_worst_boat_gives_the_error_settling_and_effort_of_summary_json() -> Non
     assert figures.settling_s(trace) == pytest.approx(40.0 * math.log(100.0), abs=0.1)
 
 
-def test_one_boat_that_never_settles_is_never_for_all() -> None:
+def test_settling_time_is_infinite_if_one_boat_never_settles() -> None:
     trace = at_distances(0.0 * T_S, 0.0 * T_S + 0.06)
     assert figures.settling_s(trace) == math.inf
 
@@ -47,7 +47,7 @@ def test_propellers_that_twitch_only_in_the_beginning_are_smooth() -> None:
     assert figures.thrust_change_N(trace) == pytest.approx(0.3)
 
 
-def test_far_start_is_no_overshoot_nor_is_a_slow_arrival() -> None:
+def test_a_far_start_and_a_slow_arrival_are_no_overshoot() -> None:
     away_first = 20.0 + T_S * (T_S < 4.0) - np.clip(T_S / 12.0, 0.0, 20.0)
     assert figures.overshoot_m(at_distances(23.0 * np.exp(-T_S / 20.0), away_first)) == 0.0
 

@@ -79,7 +79,7 @@ def test_boat_that_left_formation_is_bad_and_one_that_coasted_is_not() -> None:
 
 
 @pytest.mark.parametrize("lost", [np.nan, np.inf])
-def test_boat_that_is_nowhere_is_bad(lost: float) -> None:
+def test_boat_without_a_finite_error_is_bad(lost: float) -> None:
     found = headline.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=lost)))
     assert found.level == "bad"
     assert found.text.endswith("; boat 2 has no finite error")

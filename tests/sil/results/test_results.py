@@ -213,7 +213,7 @@ def test_a_file_that_cannot_be_written_is_reported_before_anything_is_sailed(
     "arguments",
     [["--seeds", "0"], ["--workers", "-1"], ["--scalar", "float"]],
 )
-def test_mistake_of_the_caller_is_refused(arguments: list[str]) -> None:
+def test_invalid_options_are_refused(arguments: list[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
         options(*arguments)
 

@@ -40,7 +40,7 @@ def test_campaign_that_was_not_finished_is_an_error(
         results_campaigns.sail(tmp_path, 1)
 
 
-def test_page_of_the_project_has_a_place_for_campaigns_whose_scenarios_exist() -> None:
+def test_the_projects_page_has_one_place_for_campaigns_and_their_scenarios_exist() -> None:
     assert published.PAGE.read_text(encoding="utf-8").count(results_campaigns.BEGIN) == 1
     laws = {name: scenario.load(name).law for name in results_campaigns.NAMES.values()}
     assert laws == {name: law for law, name in results_campaigns.NAMES.items()}

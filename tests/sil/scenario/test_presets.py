@@ -34,7 +34,7 @@ def skew(a: list[float]) -> Array:
     return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
 
 
-def test_otter_is_otter_m() -> None:
+def test_otter_has_the_values_of_fossens_otter_m() -> None:
     """Fossen's computation, written again from his equations."""
     rho, g, L, m, mp = 1025.0, 9.81, 2.0, 55.0, 25.0
     rg = (m * np.array([0.2, 0.0, -0.2]) + mp * np.array([0.0, 0.0, -0.35])) / (m + mp)
@@ -101,7 +101,7 @@ def test_hull_at_cruise_keeps_its_speed_with_the_thrust_that_the_firmware_believ
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_gain_is_left_to_the_firmwares_rule(name: str) -> None:
+def test_every_gain_is_derived_by_the_firmware(name: str) -> None:
     own = presets.firmware(presets.load(name))
     told = {parameter: value for parameter, value in own.items() if parameter.startswith("LAW_")}
     assert told == dict.fromkeys(presets.DERIVED, -1.0)

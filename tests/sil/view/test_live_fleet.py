@@ -109,7 +109,7 @@ def test_boats_are_seen_where_the_run_says_that_they_were(
     assert moved > 40
 
 
-def test_boats_that_have_gone_stay_with_their_age(
+def test_silent_boats_stay_on_the_page_with_their_age(
     seen: tuple[list[dict[str, Any]], Path],
 ) -> None:
     last = seen[0][-1]

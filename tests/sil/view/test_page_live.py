@@ -150,7 +150,7 @@ def test_boats_nearer_than_a_hull_are_in_trouble(browser: Browser, four: Feeder)
     assert browser.run("return document.querySelectorAll('.whole').length") == 2
 
 
-def test_columns_that_nobody_fills_are_not_drawn(browser: Browser, four: Feeder) -> None:
+def test_columns_without_values_are_hidden(browser: Browser, four: Feeder) -> None:
     bare: dict[str, Any] = {"battery_V": None, "thrust_N": None, "limits_N": None, "escs": []}
     shown(browser, four, lambda t_s: frame(t_s, [boat(n, t_s, **bare) for n in (1, 2)]))
     heads = """return [...document.querySelectorAll('.heads > span')].filter((x) =>

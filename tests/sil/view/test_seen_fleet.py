@@ -413,7 +413,7 @@ def test_a_fleet_that_comes_back_elsewhere_with_its_clocks_at_0_is_shown_there(
     assert [vessels[k]["x_m"] for k in (1, 2)] == [7.0, 14.0]
 
 
-def test_impossible_numbers_are_not_known() -> None:
+def test_impossible_numbers_count_as_unknown() -> None:
     nan, inf = float("nan"), float("inf")
     view = Listening()
     view.hear(said(1, BEAT, origin(*ORIGIN), attitude(nan), local(nan, inf)), 0.0)
@@ -441,13 +441,13 @@ def test_every_system_id_there_is_is_shown_and_random_messages_break_nothing() -
     assert len(vessels) == 255
 
 
-def test_a_place_farther_away_than_the_sea_is_wide_is_none() -> None:
+def test_an_impossibly_distant_position_is_ignored() -> None:
     view = Listening()
     view.hear(boat(1, 3.0) + boat(2, 3e38), 0.0)
     assert [view.by_id(0.0)[i]["x_m"] for i in (1, 2)] == [3.0, None]
 
 
-def test_a_boat_that_is_heard_but_says_no_more_where_it_is_was_there() -> None:
+def test_a_boat_without_new_positions_keeps_its_last_one_with_its_age() -> None:
     view = Listening()
     view.hear(boat(2, 7.0), 0.0)
     for t_s in range(1, 9):

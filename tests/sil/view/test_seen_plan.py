@@ -84,7 +84,7 @@ def test_an_accepted_plan_is_drawn_where_it_leads() -> None:
     assert plan_of(heard(UPLOAD)) == way()
 
 
-def test_a_speed_is_no_place() -> None:
+def test_a_change_of_speed_is_not_drawn_as_a_waypoint() -> None:
     speed = item(0, (0.0, 0.0), mavlink.MAV_CMD_DO_CHANGE_SPEED)
     plan = [speed, *(item(seq, place) for seq, place in enumerate(WAY, start=1))]
     assert plan_of(heard(sent(plan))) == way((1, 2, 3))
@@ -166,7 +166,7 @@ def test_a_silent_boat_keeps_its_plan_and_a_vessel_that_is_forgotten_does_not() 
     assert fleet.vessels(62.0) == [] and fleet.drawn_plans() == {}
 
 
-def test_absurd_numbers_take_no_memory() -> None:
+def test_impossible_counts_and_items_start_no_transfer() -> None:
     plans = Plans(lambda system: system == BOAT)
     ear = Ear(stream=False)
     for message in (count(65535), item(65000, (0.0, 0.0))):

@@ -139,7 +139,7 @@ def test_a_long_log_has_no_more_samples_than_a_page_takes(tmp_path: Path) -> Non
     np.testing.assert_allclose(x_m[known], t_s[known], atol=0.6)
 
 
-def test_a_clock_that_is_set_while_the_log_is_written_is_no_time(tmp_path: Path) -> None:
+def test_a_clock_set_during_the_log_adds_no_time(tmp_path: Path) -> None:
     times_us = [10_000_000 + 100_000 * k for k in range(50)]
     times_us += [START_US + 100_000 * k for k in range(50)] + [
         9_000_000 + 100_000 * k for k in range(50)
@@ -148,7 +148,7 @@ def test_a_clock_that_is_set_while_the_log_is_written_is_no_time(tmp_path: Path)
     assert t_s[-1] == pytest.approx(14.7, abs=0.3)
 
 
-def test_to_ask_for_a_history_does_not_change_it() -> None:
+def test_asking_for_a_history_does_not_change_it() -> None:
     watch, asked = Watch(Fleet(1.0)), Watch(Fleet(1.0))
     for k in range(100):
         for each in (watch, asked):
