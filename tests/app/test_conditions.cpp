@@ -161,7 +161,7 @@ TEST_CASE(
   CHECK_FALSE(watch.inside());
 }
 
-TEST_CASE("each failsafe choice has its own parameter; stops begin with HOLD, LOITER, RTL") {
+TEST_CASE("each failsafe's parameter selects its reaction") {
   using enum core::Reaction;
   Parameters p;
   CHECK(configuration_of(p).failsafes.choices ==
@@ -179,7 +179,7 @@ TEST_CASE("each failsafe choice has its own parameter; stops begin with HOLD, LO
         core::Choices{kReturn, kCoast, kReturn, kHold, kLoiter});
 }
 
-TEST_CASE("home is near within the reach of an errand, looked at once a second") {
+TEST_CASE("home is near up to the greatest distance of a target; this is checked once a second") {
   Watch watch;
   const auto near = [&] { return has(watch.limits.conditions(), core::kHomeNear); };
   watch.pass(0.1);

@@ -23,7 +23,7 @@ TEST_CASE_TEMPLATE(
   CHECK(e.psi == approx(S(kPi / 2)));
 }
 
-TEST_CASE_TEMPLATE("a boat in its slot with its leader's motion has no error and gets none", S,
+TEST_CASE_TEMPLATE("a boat in its slot with its leader's motion has no error and no error rate", S,
                    float, double) {
   Random random(5);
   for (int i = 0; i < 200; ++i) {

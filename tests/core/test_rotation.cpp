@@ -36,7 +36,8 @@ TEST_CASE_TEMPLATE("rotating there and back is the identity, and distances are k
   }
 }
 
-TEST_CASE_TEMPLATE("two turns after each other are one turn by their sum", S, float, double) {
+TEST_CASE_TEMPLATE("two rotations in sequence equal one by the sum of their angles", S, float,
+                   double) {
   constexpr std::uint32_t kSeed = 4;
   INFO("seed ", kSeed);
   Random random(kSeed);

@@ -154,7 +154,7 @@ TEST_CASE_TEMPLATE("a boat that closes up is judged by its progress, however far
   CHECK(idle.state.loss == StationLoss::kStuck);
 }
 
-TEST_CASE_TEMPLATE("at a limit progress must be seen in half the time", S, float, double, Q16) {
+TEST_CASE_TEMPLATE("a boat at a limit has half the time to make progress", S, float, double, Q16) {
   Watch<S> w;
   w.in.limited = true;
   const double after = w.stay(100, 20);
@@ -212,7 +212,7 @@ TEST_CASE_TEMPLATE("beside a slot at rest, a boat that the law leaves alone coun
   CHECK(w.state.in);
 }
 
-TEST_CASE_TEMPLATE("limit 0 m: nothing is judged", S, float, double, Q16) {
+TEST_CASE_TEMPLATE("with a limit of 0 m no boat leaves its formation", S, float, double, Q16) {
   Watch<S> w;
   w.params.D = S(0);
   w.in.r = S(9);

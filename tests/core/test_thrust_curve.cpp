@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("a command moves no faster than the slew rate and arrives", S
   }
 }
 
-TEST_CASE_TEMPLATE("no slew rate, no limit; no time, no change", S, float, double) {
+TEST_CASE_TEMPLATE("a slew rate of 0 means no limit; no time means no change", S, float, double) {
   CHECK(limit_slew(S(-1), S(1), S(0), S(0.01)) == S(1));
   CHECK(limit_slew(S(-1), S(1), S(5), S(0)) == S(-1));
 }

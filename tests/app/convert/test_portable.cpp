@@ -54,7 +54,7 @@ TEST_CASE("a number becomes the nearest whole one, halves go away from zero") {
   CHECK(nearest(-0.0) == 0);
 }
 
-TEST_CASE("a root is libm's to a unit of the last place, that of a square exactly") {
+TEST_CASE("a square root is within an ulp of the exact one; the root of a square is exact") {
   INFO("seed ", kSeed);
   Draw draw;
   for (int k = 0; k < 100'000; ++k) {
@@ -71,7 +71,8 @@ TEST_CASE("a root is libm's to a unit of the last place, that of a square exactl
   for (const double none : {0.0, -0.0, -1e-300, -1.0, -kInfinity, kNaN}) CHECK(root(none) == 0);
 }
 
-TEST_CASE("a distance is libm's, whichever way; farther than a square can say is infinitely far") {
+TEST_CASE(
+    "a distance is within two ulps in any direction; one whose square overflows is infinite") {
   INFO("seed ", kSeed);
   Draw draw;
   for (int k = 0; k < 100'000; ++k) {
@@ -116,7 +117,7 @@ TEST_CASE("sine and cosine are libm's, in every quadrant and after 150 000 turns
   CHECK(off_by(sin_cos(half_turns).sin, std::sin(Exact{half_turns})) < 1e-6);
 }
 
-TEST_CASE("a bearing is libm's within four units of the last place, on all sides") {
+TEST_CASE("a bearing is within four ulps of the exact one, on all sides") {
   INFO("seed ", kSeed);
   Draw draw;
   const auto check = [](double y, double x) {
@@ -153,7 +154,7 @@ constexpr std::array<double, 5> all_of(double x) {
   return {s, c, root(x < 0 ? -x : x), hypot(x, 5), atan2(x, -40)};
 }
 
-TEST_CASE("functions are, on this processor, to the last bit what the compiler computes") {
+TEST_CASE("on this processor functions give the same bits as at compile time") {
   static constexpr auto kTold = [] {
     std::array<std::array<double, 5>, kArguments> out{};
     for (int k = 0; k < kArguments; ++k) out[static_cast<std::size_t>(k)] = all_of(argument(k));

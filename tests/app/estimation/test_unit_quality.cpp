@@ -90,7 +90,7 @@ TEST_CASE("every kind of quality message can report a poor estimate, with the re
   }
 }
 
-TEST_CASE("an unknown ratio hides no bad one") {
+TEST_CASE("an unknown ratio does not hide a bad one") {
   for (const float bad : {50.0F, 0.1F}) {
     Unit u;
     link::EstimatorStatus m = estimator(1);
@@ -101,7 +101,7 @@ TEST_CASE("an unknown ratio hides no bad one") {
   }
 }
 
-TEST_CASE("a limit of 0 is none") {
+TEST_CASE("a limit of 0 means no limit") {
   Unit u;
   u.limits = {};
   for (const link::Message& m : {link::Message(gps(0, 9999)), link::Message(estimator(500, 9)),

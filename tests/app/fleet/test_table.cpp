@@ -38,7 +38,7 @@ TEST_CASE("tables that differ have different digests, whatever their epochs") {
   CHECK(table_of_four(1, true).digest > table_of_four(1).digest);
 }
 
-TEST_CASE("the digest is of what a boat passes on: unknown flags and bytes after the members go") {
+TEST_CASE("the digest ignores unknown flags and bytes after the members, which are not passed on") {
   link::FleetTable message = message_of(table_of_four(1), 0);
   message.flags |= 0x40U;
   message.members[8 * 5] = 9;

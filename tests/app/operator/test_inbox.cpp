@@ -104,7 +104,7 @@ TEST_CASE("a request that cannot be answered yet keeps its place, as do those be
   CHECK(counters.requests_dropped == static_cast<std::uint32_t>(dropped));
 }
 
-TEST_CASE("the last of all, or of none, leaves nothing behind") {
+TEST_CASE("the last request, or one of an empty inbox, leaves no request behind") {
   using enum Inbox::Taken;
   Inbox inbox;
   link::Counters counters;

@@ -59,7 +59,7 @@ TEST_CASE("a unit of any rate, whatever the hull: its latency is found to a fift
   }
 }
 
-TEST_CASE("a boat at rest, or one that goes straight on, says nothing of its unit's latency") {
+TEST_CASE("a boat at rest or on a straight course gives no estimate of the latency") {
   for (const double n : {0.0, 0.5}) {
     Turning boat{.tau_s = 0.2, .period_s = 0.05};
     for (int i = 0; i < 6000; ++i) boat.step(n);

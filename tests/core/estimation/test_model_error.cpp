@@ -83,7 +83,7 @@ TEST_CASE("on a single course no error is found, however long: wind could explai
   CHECK(yaw_damping_error(learner.state).variance > 0.15F * 0.15F);
 }
 
-TEST_CASE("a boat at rest, or one that drifts, learns nothing") {
+TEST_CASE("a boat that drifts without thrust learns nothing") {
   UnlikeHull hull{.balance = 0.06, .wind_n = 1};
   Learner<float> learner;
   for (int i = 0; i < 6000; ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("a boat at rest, or one that drifts, learns nothing") {
   CHECK(yaw_damping_error(learner.state).variance > 0.15F * 0.15F);
 }
 
-TEST_CASE("gusts alike from block to block make it less sure than as much noise of each block") {
+TEST_CASE("gusts more than double the variance of the drag error") {
   Learner<double> calm, gusty;
   UnlikeHull still{.noise = 0.02}, pushed{.gust = 1, .noise = 0.02};
   calm.sail(still, 10, 1.2);

@@ -98,7 +98,7 @@ TEST_CASE("sums, products and quotients are the nearest, ties to even, and satur
   }
 }
 
-TEST_CASE("two products saturate together where their sum has no room in 64 bits either") {
+TEST_CASE("a sum of two products saturates even if it exceeds 64 bits") {
   const Q16 most = kHighest, least = kLowest;
   q16_overflow = false;
   CHECK(sum_of_products(least, least, least, least) == most);
@@ -135,7 +135,7 @@ TEST_CASE("a division by zero gives the greatest number and raises the flag") {
   CHECK(lowered_and_risen(true));
 }
 
-TEST_CASE("a quotient that rounding lifts to 2^32 is the end of the range, not zero") {
+TEST_CASE("a quotient that is rounded up to 2^32 saturates and does not wrap to zero") {
   const Q16 a = Q16::of_raw(2147422344), d = Q16::of_raw(1073680521);  // a²/d = 2³² − 0.49995
   q16_overflow = false;
   CHECK(scaled(a, a, d) == kHighest);
@@ -158,7 +158,7 @@ TEST_CASE("a flag stays set until it is cleared") {
   CHECK(lowered_and_risen(true));
 }
 
-TEST_CASE("a literal is the nearest number, when the program is built") {
+TEST_CASE("a literal is rounded to the nearest number at compile time") {
   static_assert(Q16(0.1).raw() == 6554);
   static_assert(Q16(-0.1).raw() == -6554);
   static_assert(Q16(3).raw() == 196608);

@@ -45,7 +45,7 @@ TEST_CASE("the acceleration by Cholesky is M^-1 tau, within 1e-3") {
   CHECK(std::abs(number(nu_dot(2)) - (m22 * 1.5 - m23 * -4) / determinant) < 1e-3);
 }
 
-TEST_CASE("a vector's length is as long as hypot says") {
+TEST_CASE("a vector's length and direction are those of its components") {
   const Eigen::Matrix<Q16, 2, 1> way(Q16(3), Q16(-4));
   CHECK(way.norm() == Q16(5));
   CHECK(way.cwiseAbs().maxCoeff() == Q16(4));

@@ -38,7 +38,7 @@ TEST_CASE_TEMPLATE("a heading that is wrapped already stays as it is, to the las
   CHECK(wrap_pi(S(0)) == S(0));
 }
 
-TEST_CASE_TEMPLATE("to wrap a heading twice is to wrap it once, due astern as well", S, float,
+TEST_CASE_TEMPLATE("wrapping a heading twice equals wrapping it once, due astern as well", S, float,
                    double) {
   Random random(3);
   for (int i = 0; i < 5000; ++i) {

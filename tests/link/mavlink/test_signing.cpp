@@ -358,7 +358,7 @@ TEST_CASE("a restart makes no recorded message valid again, and a sender is obey
   CHECK(boat.check(sender.frame(kNow + kSecond + 2)) == kGood);
 }
 
-TEST_CASE("by a guessed clock, no sender begins before the stored timestamp") {
+TEST_CASE("with a guessed clock no sender may start before the stored timestamp") {
   for (const std::uint64_t guess : {kNow - kDay, kNow, kNow + 3600 * kSecond}) {
     Keyed boat;
     boat.start(counting_key(), guess, kNow);

@@ -370,7 +370,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the steps above are the ones a save makes") {
+TEST_CASE("the simulated steps of a save leave the same files as a save") {
   Boat real, simulated;
   REQUIRE_FALSE(save_parameters(real.file, with_kx(0.75F), {}));
   steps_of_a_save().back()(simulated);
