@@ -90,7 +90,7 @@ def test_the_shipped_configuration_finds_its_folders() -> None:
     assert config["lock-memory"] and unit["LimitMEMLOCK"] == ["infinity"]
 
 
-def test_a_boat_that_hangs_or_dies_is_started_anew_for_ever_and_runs_as_nobody_special() -> None:
+def test_the_unit_has_a_watchdog_and_always_restarts_as_an_unprivileged_user() -> None:
     unit = settings()
     assert unit["Type"] == ["notify"] and unit["WatchdogSec"] == ["1"]
     assert unit["Restart"] == ["always"] and unit["StartLimitIntervalSec"] == ["0"]

@@ -74,5 +74,5 @@ def test_the_leader_does_not_wait_for_a_boat_that_fails() -> None:
     assert abs(sailed_m(failed) - sailed_m(whole)) < 3.0
 
 
-def test_nobody_waits_where_all_keep_their_slots() -> None:
+def test_the_leader_does_not_wait_while_all_keep_their_slots() -> None:
     assert rests_s(sailed(duration_s=80.0)) < 2.0

@@ -209,7 +209,7 @@ def test_disarming_works_in_every_state_and_form(state: str, how: str) -> None:
 @pytest.mark.parametrize("target", [(BOAT, 1), (BOAT, 0), (0, 1), (0, 0)])
 @pytest.mark.parametrize("how", ["LONG", "INT"])
 @pytest.mark.parametrize("sender", [(STRANGER, 1), (0, 0), (BOAT, 197), (250, 190)], ids=str)
-def test_anybody_may_disarm_and_only_disarm(
+def test_other_stations_may_disarm_but_not_arm(
     target: tuple[int, int], how: str, sender: tuple[int, int]
 ) -> None:
     sea = Sea({"MAV_GCS_SYSID": 250})

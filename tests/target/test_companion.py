@@ -156,7 +156,7 @@ def test_only_a_vehicles_component_1_is_an_autopilot(component: int, kind: int) 
 
 
 @pytest.mark.parametrize("armed_first", [True, False])
-def test_an_armed_boat_stays_who_it_is(armed_first: bool) -> None:
+def test_an_armed_companion_keeps_its_id(armed_first: bool) -> None:
     """Another id would make it lose its own state under way."""
     sea = companion()
     sea.settle()

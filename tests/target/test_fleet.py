@@ -86,7 +86,7 @@ def test_a_unit_keeps_its_rate_whatever_the_tick(rate_hz: float) -> None:
     twins.compare()
 
 
-def test_system_ids_may_repeat_where_nobody_hears_both() -> None:
+def test_fleets_that_do_not_hear_each_other_may_use_the_same_ids() -> None:
     twins = Twins()
     for run in range(3):
         twins.diamond(run, east=3.0 * run)

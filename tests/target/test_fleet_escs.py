@@ -15,7 +15,7 @@ OTHER = 99
 
 
 @pytest.mark.parametrize("indices", [(0, 1), (7, 2), (19, 12), (3, 4)])
-def test_escs_at_any_place_of_a_command_do_as_they_do_alone(indices: tuple[int, int]) -> None:
+def test_escs_with_any_index_act_as_on_single_boats(indices: tuple[int, int]) -> None:
     port, stbd = indices
     twins = Twins()
     twins.diamond()
@@ -28,7 +28,7 @@ def test_escs_at_any_place_of_a_command_do_as_they_do_alone(indices: tuple[int, 
 
 
 @pytest.mark.parametrize("silence_us", [240_000, 250_000, 250_001, 500_000, 500_001, 3_000_000])
-def test_propellers_stop_where_commands_stop(silence_us: int) -> None:
+def test_silence_of_commands_has_the_same_effect_as_on_single_boats(silence_us: int) -> None:
     """At the end of a silence the ESC reports before the boat's next command."""
     twins = in_formation()
     twins.t_us += silence_us - H_US
@@ -37,7 +37,7 @@ def test_propellers_stop_where_commands_stop(silence_us: int) -> None:
 
 
 @pytest.mark.parametrize("silence_us", [400_000, 500_000, 600_000, 1_000_000])
-def test_propellers_stop_where_nobody_says_that_the_boat_is_armed(silence_us: int) -> None:
+def test_silence_of_arming_status_has_the_same_effect_as_on_single_boats(silence_us: int) -> None:
     twins = in_formation()
     twins.t_us += silence_us
     twins.on_bus(Publisher(RAW_COMMAND, 7, OTHER).frames(RawCommand((500, 500)).encode()))
@@ -46,7 +46,7 @@ def test_propellers_stop_where_nobody_says_that_the_boat_is_armed(silence_us: in
 
 
 @pytest.mark.parametrize("length", [0, 1, 2, 7, 35, 36, 70])
-def test_a_command_that_is_too_long_is_ignored(length: int) -> None:
+def test_commands_of_any_length_have_the_same_effect_as_on_single_boats(length: int) -> None:
     twins = in_formation()
     twins.t_us += 4 * H_US  # the ESCs report before the boat's next command
     twins.on_bus(Publisher(RAW_COMMAND, 7, OTHER).frames(b"\x33" * length))
@@ -54,7 +54,7 @@ def test_a_command_that_is_too_long_is_ignored(length: int) -> None:
     twins.compare()
 
 
-def test_propellers_stop_when_the_boat_is_disarmed() -> None:
+def test_disarming_has_the_same_effect_as_on_single_boats() -> None:
     twins = in_formation()
     twins.both("command", twins.boats, twins.t_us, 400, (0.0,))
     twins.tick(100)
@@ -62,7 +62,7 @@ def test_propellers_stop_when_the_boat_is_disarmed() -> None:
     twins.compare()
 
 
-def test_shafts_may_turn_at_any_speed() -> None:
+def test_any_shaft_speed_is_reported_as_by_single_boats() -> None:
     """Speeds beyond the message's range saturate."""
     twins = alone()
     sensed = twins._sensed

@@ -94,7 +94,7 @@ def test_a_unit_reports_a_poor_fix_and_then_a_good_one() -> None:
     assert sea.conditions(1)["own_good"]
 
 
-def test_a_second_unit_of_a_lower_component_is_elsewhere_and_not_believed() -> None:
+def test_a_second_unit_with_a_lower_component_is_ignored() -> None:
     sea, well = Troubled(), Troubled()
     sea.fail(1, "own_impostor", value=300.0)
     told = positions(sea.sail(100), 1)

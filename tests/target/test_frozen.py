@@ -62,7 +62,7 @@ def test_a_leader_that_sticks_is_not_followed_after_a_second() -> None:
     seconds_until(sea, "leader_live", True, 0.5)
 
 
-def test_a_leader_that_lies_still_is_followed_for_ever() -> None:
+def test_a_leader_at_rest_is_followed_for_a_minute() -> None:
     sea = Afloat({}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), Course(0.0, 0.0, 0.3))
     sea.enter_formation()
     freeze(sea, "leader")

@@ -132,7 +132,7 @@ def test_go_here_changes_no_mode_and_a_change_of_altitude_nothing() -> None:
     assert place(sea) == pytest.approx((0, 0), abs=0.05)
 
 
-def test_go_here_is_for_who_may_command() -> None:
+def test_go_here_of_a_station_that_may_not_command_is_refused() -> None:
     sea = at_sea([], {"MAV_GCS_SYSID": GCS})
     sea.mode(GUIDED)
     assert mission_acks(go_here(sea, at(5, 0), sender=Station(9, 190))) == [REFUSED]

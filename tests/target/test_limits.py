@@ -68,7 +68,7 @@ def test_a_battery_that_dips_for_a_moment_is_good() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_a_boat_with_a_low_battery_is_armed_for_manual_only_and_says_why() -> None:
+def test_a_boat_with_a_low_battery_is_armed_for_manual_only_with_the_reason() -> None:
     sea = Sea({"FS_BATT_V": 25.0})
     sea.run(5.0)
     assert sentences([sea.arm()]) == ["HOLD", f"armed, no FORMATION: {LOW}"]

@@ -108,7 +108,7 @@ def test_short_sentences_have_no_id(sea: Sea) -> None:
         assert_well_cut(each)
 
 
-def test_every_length_is_cut_well() -> None:
+def test_texts_of_every_length_are_split_into_chunks_correctly() -> None:
     """Refusals of every parameter with ever longer numbers, also texts that fill a chunk."""
     sea = Sea()
     sea.settle()

@@ -170,7 +170,7 @@ def test_invalid_sticks_are_counted_and_ignored(sea: Sea, axis: str, value: int)
 
 
 @pytest.mark.parametrize("seed_state", ["HOLD", "FORMATION"])
-def test_manual_without_sticks_is_refused_and_says_why(seed_state: str) -> None:
+def test_manual_without_sticks_is_refused_with_the_reason(seed_state: str) -> None:
     sea = Sea()
     ENTER[seed_state](sea)
     tick = sea.mode(MANUAL)

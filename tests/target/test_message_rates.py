@@ -152,7 +152,7 @@ def test_an_interval_of_a_message_sent_only_on_request_is_unsupported(
 
 
 @pytest.mark.parametrize("interval", [1e5, 5e6, NEVER, DEFAULT])
-def test_nobody_changes_the_heartbeat(settled: Sea, interval: float) -> None:
+def test_the_heartbeats_rate_cannot_be_changed(settled: Sea, interval: float) -> None:
     assert ask(settled, HEARTBEAT, interval) == DENIED
     assert said(settled, HEARTBEAT) == 10
 

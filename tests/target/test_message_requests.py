@@ -326,7 +326,7 @@ def test_a_question_to_another_is_not_answered(quiet: Sea) -> None:
         assert not quiet.step().messages()
 
 
-def test_everybody_who_asks_is_named_in_his_answer(quiet: Sea) -> None:
+def test_each_ack_names_its_requester(quiet: Sea) -> None:
     """Two systems ask in the same tick."""
     for sender in ((GCS, GCS_COMPONENT), (245, 191)):
         quiet.say(command_long(REQUEST, 148.0), sender=Station(*sender))

@@ -116,7 +116,7 @@ def test_only_who_asks_gets_the_list() -> None:
     assert [len(values(ticks, link)) for link in range(3)] == [0, len(LIST), 0]
 
 
-def test_two_who_ask_for_the_list_both_get_it_and_who_asks_again_gets_it_again() -> None:
+def test_two_clients_both_get_the_list_and_get_it_again_on_request() -> None:
     sea = Sea(links=2)
     sea.settle()
     for _ in range(2):
@@ -358,7 +358,7 @@ def test_a_stranger_may_read_parameters() -> None:
 
 
 @pytest.mark.parametrize("target", [(3, 1), (BOAT, 7)])
-def test_a_set_for_somebody_else_sets_nothing(sea: Sea, target: tuple[int, int]) -> None:
+def test_a_set_for_another_vehicle_changes_nothing(sea: Sea, target: tuple[int, int]) -> None:
     sea.settle()
     sea.say(param_set("LAW_KX", 1.0, target=target))
     assert not values(sea.run(0.2)) and sea.boat.parameters()["LAW_KX"] == float32(0.2)

@@ -175,7 +175,7 @@ def test_a_damaged_frame_is_not_handed_on() -> None:
     assert not [t for t in sea.run(0.5) if bytes(frame[10:20]) in sent(t, 1)]
 
 
-def test_a_message_for_somebody_unknown_goes_nowhere() -> None:
+def test_a_message_for_an_unknown_system_is_not_forwarded() -> None:
     sea = two_links()
     for target in ((9, 1), (7, 2)):
         frame = sea.gcs.pack(command_long(ARM, 1.0, target=target))

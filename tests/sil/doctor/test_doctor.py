@@ -385,7 +385,7 @@ def test_conditions_that_prevent_arming_are_bad_and_others_are_doubts(
     assert [(f.level, f.what) for f in found] == [(level, what[0])]
 
 
-def test_without_permission_to_look_sudo_is_suggested_and_nobody_is_blamed() -> None:
+def test_without_permission_to_read_the_doctor_suggests_sudo_and_reports_no_fault() -> None:
     if os.geteuid() != 0 or not FLOTILLAD.exists():
         pytest.skip("SKIPPED: only root can look as nobody; or flotillad is not built")
     with TemporaryDirectory() as folder:

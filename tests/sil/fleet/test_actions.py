@@ -530,7 +530,7 @@ def test_an_impossible_formation_is_refused(
     assert FLEET_TABLE not in {message.number for frame in sent for message in ear.hear(frame)}
 
 
-def test_orders_to_a_leader_nobody_knows_are_refused(waters: Waters) -> None:
+def test_orders_to_an_unknown_leader_are_refused(waters: Waters) -> None:
     waters.command(action="stop")
     with pytest.raises(ValueError, match=r"vessel 100 leads.*--boats N"):
         waters.command(action="auto")

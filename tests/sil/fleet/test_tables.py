@@ -218,7 +218,7 @@ def rovers_beat(system: int) -> bytes:
     return frame
 
 
-def test_a_strangers_table_adds_nobody(waters: Waters) -> None:
+def test_a_strangers_table_adds_no_boat(waters: Waters) -> None:
     members = [Member(1, 0, (0.0, 0.0), 1.3), Member(9, 1, (-4.0, 0.0), 1.3)]
     station = waters.station()
     heard(waters, table_message(1, members, sender=(77, 1)))

@@ -33,7 +33,7 @@ def sailed(*overrides: str) -> Run:
     return run
 
 
-def test_boat_1_is_every_boats_leader_and_nobodys_follower() -> None:
+def test_boat_1_leads_all_others_and_follows_none_of_them() -> None:
     one = load("lead")
     assert one.pairs() == [(1, 2), (1, 3), (1, 4)]
     leaders = [own["FORM_LEADER"] for own in parameters_of(one, {})]

@@ -32,7 +32,7 @@ def test_without_a_table_the_line_is_empty() -> None:
     assert heard(SeenTable(), 0.0, beacon(1, 0, FIT)) == ""
 
 
-def test_the_leader_is_named_and_so_is_who_has_an_older_table() -> None:
+def test_the_line_names_the_leader_and_boats_with_an_older_table() -> None:
     table = SeenTable()
     now = heard(table, 1.0, *(beacon(k, 4, FIT | LEADS * (k == 2)) for k in (1, 2, 3)))
     assert now == "table 4, boat 2 leads"

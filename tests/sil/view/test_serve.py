@@ -119,7 +119,7 @@ def test_garbage_and_a_hundred_systems_leave_the_page_up_and_are_counted() -> No
     assert all(v["state"] == "FORMATION" for v in some(frame["vessels"]))
 
 
-def test_a_page_that_does_not_read_holds_up_nobody() -> None:
+def test_a_page_that_does_not_read_does_not_delay_others() -> None:
     port = free_port()
 
     async def use(url: str) -> None:

@@ -113,7 +113,7 @@ def test_raw_command_silent_for_more_than_250_ms_stops_the_motor_though_arming_g
     assert boat.esc.command(250_011) == 0.0
 
 
-def test_a_rebooted_esc_wants_to_see_zero_first() -> None:
+def test_a_rebooted_esc_does_not_turn_before_it_receives_zero() -> None:
     boat = Boat(EscNode(ESC, 0))
     boat.arm(0)
     boat.command(0, 500)

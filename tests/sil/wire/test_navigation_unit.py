@@ -136,7 +136,7 @@ def test_attitude_may_come_at_its_own_rate(message: Message) -> None:
     assert (count[position], count["ATTITUDE"]) == (50, 100)
 
 
-def test_origin_and_heartbeat_say_who_and_where() -> None:
+def test_origin_and_heartbeat_have_the_units_position_and_type() -> None:
     m = by_name(unit().tick(7_000_000, ETA, NU))
     origin, heartbeat = m["GPS_GLOBAL_ORIGIN"], m["HEARTBEAT"]
     assert (origin.latitude, origin.longitude, origin.altitude) == ORIGIN
@@ -225,7 +225,7 @@ def test_only_a_request_to_this_unit_or_to_all_is_answered(target: bytes, answer
     assert (sender.tick(100, ETA, NU) != b"") is answered
 
 
-def test_somebody_elses_answer_is_not_answered() -> None:
+def test_an_answer_to_another_system_is_not_answered() -> None:
     sender = unit()
     sender.tick(0, ETA, NU)
     sender.on_mavlink(ask(5, 1), 100)
