@@ -32,12 +32,6 @@ constexpr std::int64_t kMembers_us = 6'000'000;
 constexpr std::uint32_t kAhead_ms = 10'000;
 // Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
-// Interval of slot updates during a move; between updates the law uses their velocity.
-constexpr std::int64_t kMove_us = 200'000;
-constexpr auto kTurnAhead_us = static_cast<std::int64_t>(1e6 * kTurnAhead_s);
-static_assert(kTurnAhead_us % kMove_us == 0);  // or slots would be updated twice as often
-// Time for boats to turn back to the leader's course and settle in their new slots.
-constexpr double kSettle_s = 15;
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
@@ -64,11 +58,6 @@ bool is_most(const FleetTable& table, std::size_t own, std::span<const FleetPeer
     if (rank != own && peers[rank].heard) ++heard;
   }
   return 2 * heard > table.count;
-}
-
-FleetSlot rounded(const std::array<double, 2>& cm) {
-  return {static_cast<std::int16_t>(std::lround(cm[0])),
-          static_cast<std::int16_t>(std::lround(cm[1]))};
 }
 
 bool same(const Configuration::Formation& a, const Configuration::Formation& b) {
@@ -169,8 +158,8 @@ void Fleet::give_places(const FleetOutlook& outlook, std::int64_t now_us) {
   const std::int64_t valid_us = std::max(request.valid_us, now_us);
   std::array<std::optional<FleetSlot>, FleetTable::kMax> places;
   std::ranges::transform(request.table.all(), places.begin(), [&](const FleetMember& member) {
-    const auto place = place_of(member.system, valid_us);
-    return place ? std::optional(rest_of(*place, fades_s(valid_us, kMoveRamp_s))) : std::nullopt;
+    const auto rank = rank_in(ledger_.current(), member.system);
+    return rank ? std::optional(paths_.rest(*rank, valid_us)) : std::nullopt;
   });
   const std::size_t leader = succession_.leader();
   const auto root = leader == Succession::kNobody
@@ -242,32 +231,14 @@ void Fleet::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon) const 
   }
 }
 
-/// Members' last beacons stay valid in a new table. The move counts from the table's own time, so a
-/// boat that gets the table late joins in at once.
+/// Members' last beacons stay valid in a new table.
 void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
-  const std::int64_t begun_us = std::min(now_us, ledger_.valid_us());
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
-  const FleetTable next = ledger_.newest();
-  std::array<FleetSlot, FleetTable::kMax> from_cm{};
-  std::array<FleetSlot, FleetTable::kMax> carried_cmps{};
-  const double fades = fades_s(begun_us, 0.1 * next.move_ds / 2);
-  for (std::size_t rank = 0; rank < next.count; ++rank) {
-    const FleetMember& member = next.members[rank];
-    const auto place = place_of(member.system, begun_us);
-    from_cm[rank] = member.slot_cm;
-    if (!place || before.turns != next.turns) continue;
-    from_cm[rank] = rest_of(*place, fades);
-    carried_cmps[rank] = rounded(place->cmps);
-  }
   ledger_.forward(now_us);
-  from_cm_ = from_cm;
-  carried_cmps_ = carried_cmps;
-  fades_s_ = fades;
-  // Starts on the old move's time grid: places change only at grid instants.
-  begun_us_ = before.count > 0 ? begun_us - (begun_us - begun_us_) % kMove_us : begun_us;
+  const FleetTable& table = *ledger_.current();
+  paths_.begin(table, before, std::min(now_us, ledger_.valid_us()));
   const auto peers = std::exchange(peers_, {});
   const auto heard = std::exchange(heard_, {});
-  const FleetTable& table = *ledger_.current();
   for (std::size_t rank = 0; rank < table.count; ++rank) {
     if (const auto was = before.rank_of(table.members[rank].system)) {
       FleetPeer& peer = peers_[rank] = peers[*was];
@@ -337,7 +308,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
     const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_);
     if (tells_no_plan || waits) place_ = {};
     next = by_hand_ ? std::nullopt : attachment(*rank, now_us);
-    if (next) slot_motion = this->slot_motion(*rank, now_us);
+    if (next && leader < table->count) slot_motion = paths_.motion(*rank, leader, now_us);
   } else {
     succession_ = {};
   }
@@ -354,80 +325,13 @@ void Fleet::stopped() {
   succession_.stopped();
 }
 
-double Fleet::since_s(std::int64_t now_us) const {
-  const std::int64_t steps = std::max<std::int64_t>(now_us - begun_us_, 0) / kMove_us;
-  return 1e-6 * static_cast<double>(steps * kMove_us);
-}
-
-/// Progress of the move to the new places.
-FleetMove Fleet::move(std::int64_t now_us) const {
-  const FleetTable& table = *ledger_.current();
-  return move_at(since_s(now_us),
-                 {0.1 * table.move_ds, 0.1 * table.first_ds, table.first_share / kShares});
-}
-
-bool Fleet::moves(std::int64_t now_us) const {
-  const FleetTable* table = ledger_.current();
-  return table != nullptr && table->move_ds > 0 &&
-         since_s(now_us) < 0.1 * table->move_ds + kSettle_s;
-}
-
-/// Time to fade out the present speed, at most `most_s`, so that no place overshoots its goal.
-double Fleet::fades_s(std::int64_t now_us, double most_s) const {
-  const FleetTable* table = ledger_.current();
-  const double left_s = table != nullptr ? 0.1 * table->move_ds - since_s(now_us) : 0;
-  return std::min({kMoveRamp_s, most_s, std::max(left_s, 0.0)});
-}
-
-/// A member's place at now_us; nullopt for other systems.
-std::optional<Fleet::Place> Fleet::place_of(std::uint8_t system, std::int64_t now_us) const {
-  const auto rank = rank_in(ledger_.current(), system);
-  if (!rank) return std::nullopt;
-  const FleetMove at = move(now_us);
-  const double fades = fades_s_ > 0 ? std::max(0.0, 1 - since_s(now_us) / fades_s_) : 0;
-  Place place;
-  for (std::size_t axis = 0; axis < place.cm.size(); ++axis) {
-    const double from = from_cm_[*rank][axis], v = carried_cmps_[*rank][axis];
-    const double way = ledger_.current()->members[*rank].slot_cm[axis] - from;
-    place.cm[axis] = from + at.share * way - v * fades_s_ / 2 * fades * fades;
-    place.cmps[axis] = at.rate * way + v * fades;
-    place.cmps2[axis] = at.rate_dot * way - (fades > 0 ? v / fades_s_ : 0);
-  }
-  return place;
-}
-
-/// Where a place comes to rest if its speed falls linearly to 0 in fades_s.
-FleetSlot Fleet::rest_of(const Place& place, double fades_s) {
-  return rounded(
-      {place.cm[0] + place.cmps[0] * fades_s / 2, place.cm[1] + place.cmps[1] * fades_s / 2});
-}
-
-SlotMotion Fleet::slot_motion(std::size_t own, std::int64_t now_us) const {
-  const FleetTable& table = *ledger_.current();
-  const std::size_t root = succession_.leader();
-  if (root >= table.count) return {};
-  const Place here = *place_of(table.members[own].system, now_us);
-  const Place there = *place_of(table.members[root].system, now_us);
-  const std::int64_t soon_us = now_us + kTurnAhead_us;
-  const Place soon = *place_of(table.members[own].system, soon_us);
-  const Place root_soon = *place_of(table.members[root].system, soon_us);
-  SlotMotion out{.moves = moves(now_us)};
-  for (std::size_t axis = 0; axis < out.mps.size(); ++axis) {
-    out.mps[axis] = static_cast<float>(0.01 * (here.cmps[axis] - there.cmps[axis]));
-    out.mps2[axis] = static_cast<float>(0.01 * (here.cmps2[axis] - there.cmps2[axis]));
-    out.soon_mps[axis] = static_cast<float>(0.01 * (soon.cmps[axis] - root_soon.cmps[axis]));
-  }
-  return out;
-}
-
 /// Leader and slot from the table; nullopt: use the parameters.
 std::optional<Fleet::Attachment> Fleet::attachment(std::size_t own, std::int64_t now_us) const {
   const FleetTable& table = *ledger_.current();
   const auto followed = succession_.followed();
   if (!followed) return attachment_;  // it leads, or knows no leader: unchanged
   const std::uint8_t leader = table.members[*followed].system;
-  const auto here = place_of(table.members[own].system, now_us)->cm;
-  const auto there = place_of(leader, now_us)->cm;
+  const auto here = paths_.place(own, now_us).cm, there = paths_.place(*followed, now_us).cm;
   const auto metres = [&](std::size_t axis) {
     return static_cast<float>(std::round(here[axis] - there[axis])) / 100;
   };

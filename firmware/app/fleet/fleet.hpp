@@ -12,6 +12,7 @@
 #include "app/fleet/assignment.hpp"
 #include "app/fleet/ledger.hpp"
 #include "app/fleet/move.hpp"
+#include "app/fleet/paths.hpp"
 #include "app/fleet/succession.hpp"
 #include "app/parameters/configuration.hpp"
 #include "app/schedule.hpp"
@@ -69,7 +70,7 @@ class Fleet {
   const SlotMotion& slot_motion() const { return slot_motion_; }
 
   /// The shape changes: places move, or boats still settle in them.
-  bool moves(std::int64_t now_us) const;
+  bool moves(std::int64_t now_us) const { return paths_.moves(now_us); }
 
   /// Plan and item that the last leader reported; none if it sailed no plan, or had paused it.
   const FleetPlace& place() const { return place_; }
@@ -96,10 +97,6 @@ class Fleet {
     FleetTable table;
     std::int64_t valid_us = 0, due_us = 0;
   };
-  /// A member's place in the shape, and how it moves.
-  struct Place {
-    std::array<double, 2> cm{}, cmps{}, cmps2{};
-  };
 
   /// The last messages of a member. component sends its beacons; 0: none was heard yet. ahead_ms:
   /// start of the time in which it reports a greater epoch than this boat's; 0: it does not.
@@ -120,15 +117,9 @@ class Fleet {
   bool concerns_us(const FleetTable& table) const;
   static bool note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us);
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
-  std::optional<Place> place_of(std::uint8_t system, std::int64_t now_us) const;
-  static FleetSlot rest_of(const Place& place, double fades_s);
-  double since_s(std::int64_t now_us) const;
-  FleetMove move(std::int64_t now_us) const;
-  double fades_s(std::int64_t now_us, double all_s) const;
   void begin(const Configuration::Formation& own, std::int64_t now_us);
   void update_peers(std::int64_t limit_us, std::int64_t now_us);
   std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;
-  SlotMotion slot_motion(std::size_t own, std::int64_t now_us) const;
   void update_beacon(const FleetReport& report, bool yields, std::int64_t now_us);
 
   FleetLedger ledger_;
@@ -143,11 +134,7 @@ class Fleet {
   FleetPlace place_;
   core::State state_{};  // in the last step
   std::optional<Request> request_;
-  // By rank: starts of the new paths, and the old paths' speeds, which fade out in fades_s_.
-  std::array<FleetSlot, FleetTable::kMax> from_cm_{};
-  std::array<FleetSlot, FleetTable::kMax> carried_cmps_{};
-  double fades_s_ = 0;
-  std::int64_t begun_us_ = 0;
+  FleetPaths paths_;
   SlotMotion slot_motion_;
   link::FleetBeacon told_{};
   std::size_t repeats_ = 0;                         // of a changed beacon
