@@ -2,14 +2,12 @@
 #include "app/fleet/fleet.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 namespace flotilla::app {
 namespace {
-
-constexpr std::uint8_t kFit = 1, kLeads = 2;
-constexpr unsigned kHears = 2;  // first bit of the rank, from 1, of the leader that is heard
 
 // With eight boats' signed beacons: 253 bytes a second, 4.4 % of 57,600 Bd.
 constexpr std::int64_t kBeacon_us = 1'200'000;
@@ -27,23 +25,10 @@ constexpr std::int64_t kLeaders_us = 1'500'000;
 // A boat without a place does not know the others' places. It waits this long before it answers a
 // request, and meanwhile receives their table.
 constexpr std::int64_t kMembers_us = 6'000'000;
-// A boat gets a newer table within this time if any member holds it. A member that still reports
-// the greater epoch afterwards is faulty and no longer counts as a leader.
-constexpr std::uint32_t kAhead_ms = 10'000;
-// Greatest difference in link latency. A smaller number after that comes from a restarted boat.
-constexpr std::uint16_t kOvertaken_ds = 30;
-
-std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
-
-std::uint16_t deciseconds(std::int64_t us) { return static_cast<std::uint16_t>(us / 100'000); }
 
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
   return table->rank_of(system);
-}
-
-std::uint8_t rank_or_none(const FleetTable& table, std::uint8_t system) {
-  return static_cast<std::uint8_t>(table.rank_of(system).value_or(FleetTable::kMax));
 }
 
 bool is_of(const FleetTable& table, std::uint8_t system) {
@@ -68,32 +53,15 @@ bool same(const Configuration::Formation& a, const Configuration::Formation& b) 
 }  // namespace
 
 void Fleet::hear(const link::Received& received, Trust trust, std::int64_t now_us) {
-  const auto* beacon = std::get_if<link::FleetBeacon>(&received.message);
   if (const auto rank = rank_in(ledger_.current(), received.from.system)) {
-    Heard& heard = heard_[*rank];
-    if (beacon != nullptr && note_beacon(heard, *beacon, now_us)) return;
-    if (beacon != nullptr) heard.component = received.from.component;
-    const bool speaks = ledger_.current()->members[*rank].only_leads
-                            ? link::tells_motion(received.message)
-                            : heard.component == 0 || heard.component == received.from.component;
-    if (speaks) heard.at_us = now_us;
+    const bool only_leads = ledger_.current()->members[*rank].only_leads;
+    if (!peers_.hear(*rank, received, only_leads, now_us)) return;
   }
-  if (beacon != nullptr) {
+  if (const auto* beacon = std::get_if<link::FleetBeacon>(&received.message)) {
     take(received.from.system, *beacon, now_us);
   } else if (const auto* table = std::get_if<link::FleetTable>(&received.message)) {
     take(received, *table, trust, now_us);
   }
-}
-
-/// Records the beacon's number; true if a newer one arrived first, on a faster link.
-bool Fleet::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
-  const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
-  const std::uint16_t now_ds = deciseconds(now_us);
-  const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
-  if (heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0) return true;
-  heard.sequence = beacon.sequence;
-  heard.beacon_ds = now_ds;
-  return false;
 }
 
 /// Accepts a table from an operator or a current member; a first table also from a trusted sender
@@ -199,60 +167,23 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   }
   const auto now_rank = rank_in(ledger_.current(), from);
   if (!now_rank) return;
-  std::uint32_t& ahead_ms = heard_[*now_rank].ahead_ms;
-  if (beacon.epoch <= held.epoch) {
-    ahead_ms = 0;
-  } else if (ahead_ms == 0) {
-    ahead_ms = std::max<std::uint32_t>(ms_of(now_us), 1);
-  }
-  FleetPeer& peer = peers_[*now_rank];
-  peer.fit = (beacon.flags & kFit) != 0;
-  peer.leads = (beacon.flags & kLeads) != 0;
-  peer.epoch = beacon.epoch;
-  note_leader(peer, beacon);
+  peers_.take(*now_rank, beacon, ledger_, now_us);
+  const auto& peers = peers_.all();
+  const FleetPeer& peer = peers[*now_rank];
   const std::size_t leader = succession_.leader();
-  const bool relays = peer.hears == leader && leader < peers_.size() && !peers_[leader].heard;
+  const bool relays = peer.hears == leader && leader < peers.size() && !peers[leader].heard;
   if ((*now_rank == leader && peer.leads) || relays) {
     place_ = {beacon.plan_id, beacon.plan_item};
   }
 }
 
-/// The rank refers to the sender's newest table. If this boat does not have that table, it keeps
-/// the last report.
-void Fleet::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon) const {
-  const std::size_t told = beacon.flags >> kHears;
-  if (told == 0) peer.hears = FleetTable::kMax;
-  for (const FleetTable* table : {&ledger_.newest(), ledger_.current()}) {
-    if (table->epoch != beacon.epoch || table->digest != beacon.digest) continue;
-    if (told == 0 || told > table->count) continue;
-    const std::uint8_t leader = table->members[told - 1].system;
-    peer.hears = rank_or_none(*ledger_.current(), leader);
-    peer.behind = beacon.leader == leader;
-  }
-}
-
-/// Members' last beacons stay valid in a new table.
+/// The newest table comes into force.
 void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
   ledger_.forward(now_us);
   const FleetTable& table = *ledger_.current();
   paths_.begin(table, before, std::min(now_us, ledger_.valid_us()));
-  const auto peers = std::exchange(peers_, {});
-  const auto heard = std::exchange(heard_, {});
-  for (std::size_t rank = 0; rank < table.count; ++rank) {
-    if (const auto was = before.rank_of(table.members[rank].system)) {
-      FleetPeer& peer = peers_[rank] = peers[*was];
-      if (peer.hears < before.count) {
-        peer.hears = rank_or_none(table, before.members[peer.hears].system);
-      }
-      peer.behind = peer.behind && table.members[rank].leader == before.members[*was].leader;
-      heard_[rank] = heard[*was];
-    } else if (!table.members[rank].only_leads) {
-      // A new member counts as fit and just heard until it falls silent.
-      peers_[rank].fit = true;
-      heard_[rank].at_us = now_us;
-    }
-  }
+  peers_.begin(table, before, now_us);
   by_parameters_ = own;
   by_hand_ = false;
   if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
@@ -262,21 +193,6 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   }
   succession_.begin(table, before);
   told_epoch_ = table.epoch;
-}
-
-void Fleet::update_peers(std::int64_t limit_us, std::int64_t now_us) {
-  const FleetTable& table = *ledger_.current();
-  for (std::size_t rank = 0; rank < table.count; ++rank) {
-    const Heard& heard = heard_[rank];
-    FleetPeer& peer = peers_[rank];
-    peer.heard = now_us - heard.at_us < limit_us;
-    const bool faulty = heard.ahead_ms != 0 && ms_of(now_us) - heard.ahead_ms >= kAhead_ms;
-    peer.leads = peer.leads && !faulty;
-    if (peer.hears >= table.count) continue;
-    const std::int64_t lost_us = now_us - heard_[peer.hears].at_us - limit_us;
-    const auto since_ds = static_cast<std::uint16_t>(deciseconds(now_us) - heard.beacon_ds);
-    peer.current = 100'000 * (since_ds + std::int64_t{1}) < lost_us;
-  }
 }
 
 FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation& own,
@@ -291,7 +207,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   const bool drives = core::law_drives(state) || state == core::State::kManual;
   by_hand_ = by_hand_ || !same(own, by_parameters_);
   if (const auto rank = rank_in(table, system_)) {
-    update_peers(leader_limit_us + kMore_us, now_us);
+    peers_.update(table->count, leader_limit_us + kMore_us, now_us);
     const bool follows = core::follows(state);
     const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
     const bool alone = core::sails_alone(state);
@@ -299,13 +215,13 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
         *table,
         {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_, drives, alone, ordered,
          by_hand_, alone && state != state_, state == core::State::kManual},
-        std::span(peers_).first(table->count));
+        std::span(peers_.all()).first(table->count));
     if (succession_.leads() && order != FleetOrder::kLead) {
       place_ = state == core::State::kAuto ? report.place : FleetPlace{};
     }
     const std::size_t leader = succession_.leader();
     const bool tells_no_plan = leader < table->count && table->members[leader].only_leads;
-    const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_);
+    const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_.all());
     if (tells_no_plan || waits) place_ = {};
     next = by_hand_ ? std::nullopt : attachment(*rank, now_us);
     if (next && leader < table->count) slot_motion = paths_.motion(*rank, leader, now_us);
@@ -374,13 +290,15 @@ void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t n
   now.digest = newest.digest;
   if (const auto own = rank_in(ledger_.current(), system_)) {
     const FleetTable& table = *ledger_.current();
-    const auto heard = succession_.heard_leader(table, *own, newest.epoch, peers_);
+    const auto heard = succession_.heard_leader(table, *own, newest.epoch, peers_.all());
     const auto hears = heard ? newest.rank_of(table.members[*heard].system) : std::nullopt;
-    const bool follows = core::follows(report.state) || (yields && (told_.flags & kLeads) != 0);
+    const bool led = (told_.flags & FleetPeers::kLeads) != 0;
+    const bool follows = core::follows(report.state) || (yields && led);
     const bool fit = follows && report.fit && !by_hand_;
     const bool leads = succession_.leads();
-    now.flags = static_cast<std::uint8_t>((fit ? kFit : 0U) | (leads ? kLeads : 0U) |
-                                          (hears ? *hears + 1 : 0U) << kHears);
+    now.flags = static_cast<std::uint8_t>((fit ? FleetPeers::kFit : 0U) |
+                                          (leads ? FleetPeers::kLeads : 0U) |
+                                          (hears ? *hears + 1 : 0U) << FleetPeers::kHears);
     now.leader = leads || !attachment_ ? std::uint8_t{0} : attachment_->leader;
     now.plan_id = place_.plan_id;
     now.plan_item = place_.item;
@@ -397,7 +315,7 @@ std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
   const bool speaks = ledger_.newest().epoch != 0 ? is_of(ledger_.newest(), system_) : asks_;
   if (!speaks || now_us < beacon_us_) return std::nullopt;
   asks_ = false;
-  const bool waited_for = succession_.lost() && (told_.flags & kFit) != 0;
+  const bool waited_for = succession_.lost() && (told_.flags & FleetPeers::kFit) != 0;
   beacon_us_ = now_us + (waited_for ? kLost_us : kBeacon_us);
   if (repeats_ > 0) beacon_us_ = now_us + kRepeats_us[kRepeats_us.size() - repeats_--];
   ++told_.sequence;

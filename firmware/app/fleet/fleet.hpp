@@ -3,7 +3,6 @@
 // leader. firmware/docs/FLEET.md explains it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "app/fleet/ledger.hpp"
 #include "app/fleet/move.hpp"
 #include "app/fleet/paths.hpp"
+#include "app/fleet/peers.hpp"
 #include "app/fleet/succession.hpp"
 #include "app/parameters/configuration.hpp"
 #include "app/schedule.hpp"
@@ -98,35 +98,21 @@ class Fleet {
     std::int64_t valid_us = 0, due_us = 0;
   };
 
-  /// The last messages of a member. component sends its beacons; 0: none was heard yet. ahead_ms:
-  /// start of the time in which it reports a greater epoch than this boat's; 0: it does not.
-  /// beacon_ds, in 0.1 s, and sequence: of its latest beacon.
-  struct Heard {
-    std::int64_t at_us = kNever;
-    std::uint32_t ahead_ms = 0;
-    std::uint16_t beacon_ds = 0;
-    std::uint8_t component = 0, sequence = 0;
-  };
-
   void take(const link::Received& received, const link::FleetTable& message, Trust trust,
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
-  void note_leader(FleetPeer& peer, const link::FleetBeacon& beacon) const;
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;
-  static bool note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us);
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
   void begin(const Configuration::Formation& own, std::int64_t now_us);
-  void update_peers(std::int64_t limit_us, std::int64_t now_us);
   std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;
   void update_beacon(const FleetReport& report, bool yields, std::int64_t now_us);
 
   FleetLedger ledger_;
   Succession succession_;
-  std::array<FleetPeer, FleetTable::kMax> peers_{};
-  std::array<Heard, FleetTable::kMax> heard_{};  // by rank
-  bool stops_ = false;                           // a table orders a stop, not yet confirmed
+  FleetPeers peers_;
+  bool stops_ = false;  // a table orders a stop, not yet confirmed
   std::optional<Attachment> attachment_;
   Configuration::Formation by_parameters_;  // when the table came into force
   bool by_hand_ = false;
