@@ -7,7 +7,6 @@
 
 #include "app/outlook.hpp"
 #include "core/manual.hpp"
-#include "core/scalar/overflow.hpp"
 
 namespace flotilla::app {
 
@@ -27,33 +26,26 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       alone_(vehicle_, pilot_, limits_, warnings_, counters_),
       parts_{vehicle_, supervisor_, pilot_,      learnt_,     limits_, fence_watch_,
              can_,     host_,       conditions_, law_output_, thrust_, counters_} {
-  core::take_overflow<S>();
+  range_.clear();
   configure();
 }
 
 template <class S>
 void Boat<S>::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now, std::size_t link) {
   const std::int64_t now_us = clock_.take(now, counters_);
-  core::take_overflow<S>();
+  range_.clear();
   while (!data.empty()) {
     data = data.subspan(links_.fill(link, data));
     take_all(link, now_us);
   }
-  collect_overflow();
+  range_.collect();
 }
 
 template <class S>
 void Boat<S>::end_of_datagram(std::int64_t now, std::size_t link) {
-  core::take_overflow<S>();
+  range_.clear();
   give_up(link, clock_.take(now, counters_));
-  collect_overflow();
-}
-
-/// The overflow flag is shared by all boats of a thread, so each call clears it first and collects
-/// it here.
-template <class S>
-void Boat<S>::collect_overflow() {
-  overflow_ = core::take_overflow<S>() || overflow_;
+  range_.collect();
 }
 
 template <class S>
@@ -115,15 +107,15 @@ void Boat<S>::on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, s
 template <class S>
 typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   const std::int64_t now_us = clock_.take(now, counters_);
-  core::take_overflow<S>();
+  range_.clear();
   vehicle_.begin(now_us, last_tick_us_ ? now_us - *last_tick_us_ : 0);
   can_output_.count = 0;
   idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
   for (std::size_t link = 0; link < links_.count(); ++link) {
     if (links_.timed_out(link, now_us)) give_up(link, now_us);
   }
-  collect_overflow();
-  in_range_ = fits_ && !std::exchange(overflow_, false);
+  range_.collect();
+  range_.judge();
   if (last_tick_us_ && vehicle_.is_asked()) vehicle_.report(report_of(parts_, *last_tick_us_));
   supervise(now_us);
   steer(now_us);
@@ -132,7 +124,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   warnings_.send(
       {now_us, state(), conditions_, parts_.keeps_slot(), host_, law_output_, fence_watch_});
   tell(now_us);
-  collect_overflow();
+  range_.collect();
   last_tick_us_ = now_us;
   return {&links_, std::span(can_output_.frames).first(can_output_.count)};
 }
@@ -209,7 +201,7 @@ void Boat<S>::note_state(std::int64_t now_us) {
 
 template <class S>
 void Boat<S>::configure() {
-  collect_overflow();
+  range_.collect();
   max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
   supervisor_.choose(configuration().failsafes.choices);
   const Parameters applied = fleet_.applied(parameters());
@@ -218,8 +210,7 @@ void Boat<S>::configure() {
   pilot_.configure(configuration_of(applied), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
   thrusters_.set_curves(law);
-  fits_ = !core::take_overflow<S>();
-  in_range_ = in_range_ && fits_;
+  range_.judge_parameters();
 }
 
 template <class S>
@@ -233,8 +224,8 @@ template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // With a stopped clock no data ever become stale, so nothing can be trusted.
   if (idle_ticks_ > max_idle_ticks_) return 0;
-  return conditions_of(parts_, {heard_, in_range_, slot_astern_.is(), alone_.voyage_is_lost()},
-                       now_us);
+  return conditions_of(
+      parts_, {heard_, range_.is_kept(), slot_astern_.is(), alone_.voyage_is_lost()}, now_us);
 }
 
 /// Called once this tick's position is known; the result enters the next tick's conditions.
@@ -341,9 +332,9 @@ void Boat<S>::steer(std::int64_t now_us) {
   // Checked again after allocation, with newly evaluated conditions.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
-  collect_overflow();
+  range_.collect();
   // After an overflow the thrust may be wrong. The next tick's conditions lead to FAULT.
-  if (overflow_) thrust_ = thrusters_.step(false, desired, dt);
+  if (range_.has_overflowed()) thrust_ = thrusters_.step(false, desired, dt);
 }
 
 /// From the thrust given since the last tick, and the motion now.

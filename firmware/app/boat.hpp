@@ -22,6 +22,7 @@
 #include "app/propulsion/can_node.hpp"
 #include "app/propulsion/thrusters.hpp"
 #include "app/report.hpp"
+#include "app/scalar_range.hpp"
 #include "app/supervisor.hpp"
 
 namespace flotilla::app {
@@ -148,7 +149,6 @@ class Boat {
   void learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us);
   void set_clock();
   void give_up(std::size_t link, std::int64_t now_us);
-  void collect_overflow();
 
   void supervise(std::int64_t now_us);
   void configure();
@@ -178,9 +178,7 @@ class Boat {
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions heard_ = 0;  // of this tick
   core::Conditions conditions_ = 0;
-  bool fits_ = true;       // the scalar's range holds all parameters
-  bool overflow_ = false;  // the scalar has overflowed since the last tick began
-  bool in_range_ = true;
+  ScalarRange<S> range_;
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
 
