@@ -17,10 +17,10 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
              storage.mavlink, storage.signing),
       pilot_(configuration_of(p), convert::law_of<S>(p)),
       vehicle_(p, supervisor_, links_, pilot_.time_requests(), storage),
-      tick_rate_Hz_(p.CTL_RATE),
       thrusters_(configuration().propulsion, convert::law_of<S>(p)),
       can_({configuration().start.can_node, configuration().start.system},
            configuration().start.tick_us / 2),
+      ticks_(p.CTL_RATE),
       fleet_(vehicle_, links_, counters_),
       warnings_(vehicle_, pilot_, learnt_, counters_),
       alone_(vehicle_, pilot_, limits_, warnings_, counters_),
@@ -108,15 +108,15 @@ template <class S>
 typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   const std::int64_t now_us = clock_.take(now, counters_);
   range_.clear();
-  vehicle_.begin(now_us, last_tick_us_ ? now_us - *last_tick_us_ : 0);
+  vehicle_.begin(now_us, ticks_.since_us(now_us));
   can_output_.count = 0;
-  idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
+  ticks_.begin(now_us);
   for (std::size_t link = 0; link < links_.count(); ++link) {
     if (links_.timed_out(link, now_us)) give_up(link, now_us);
   }
   range_.collect();
   range_.judge();
-  if (last_tick_us_ && vehicle_.is_asked()) vehicle_.report(report_of(parts_, *last_tick_us_));
+  if (vehicle_.is_asked()) report_last_tick();
   supervise(now_us);
   steer(now_us);
   look_at_limits(now_us);
@@ -125,7 +125,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
       {now_us, state(), conditions_, parts_.keeps_slot(), host_, law_output_, fence_watch_});
   tell(now_us);
   range_.collect();
-  last_tick_us_ = now_us;
+  ticks_.end(now_us);
   return {&links_, std::span(can_output_.frames).first(can_output_.count)};
 }
 
@@ -164,9 +164,7 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
         now_us);
   }
   const FleetOrder order = fleet_.order(state(), conditions_, now_us);
-  if (order == FleetOrder::kLead && last_tick_us_) {
-    vehicle_.report(report_of(parts_, *last_tick_us_));
-  }
+  if (order == FleetOrder::kLead) report_last_tick();
   if (fleet_.take_change()) {
     configure();
     const SlotMotion slot = fleet_.slot_motion();
@@ -202,7 +200,7 @@ void Boat<S>::note_state(std::int64_t now_us) {
 template <class S>
 void Boat<S>::configure() {
   range_.collect();
-  max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
+  ticks_.limit_idle(parameters().FS_NAV_S);
   supervisor_.choose(configuration().failsafes.choices);
   const Parameters applied = fleet_.applied(parameters());
   const auto law = convert::law_of<S>(learnt_.applied(applied));
@@ -223,7 +221,7 @@ void Boat<S>::apply_conditions(std::int64_t now_us) {
 template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // With a stopped clock no data ever become stale, so nothing can be trusted.
-  if (idle_ticks_ > max_idle_ticks_) return 0;
+  if (ticks_.clock_stands()) return 0;
   return conditions_of(
       parts_, {heard_, range_.is_kept(), slot_astern_.is(), alone_.voyage_is_lost()}, now_us);
 }
@@ -312,7 +310,7 @@ void Boat<S>::drive_by_hand() {
 
 template <class S>
 void Boat<S>::steer(std::int64_t now_us) {
-  const S dt = last_tick_us_ ? convert::seconds<S>(now_us - *last_tick_us_) : S(0);
+  const S dt = convert::seconds<S>(ticks_.since_us(now_us));
   pilot_.observe(now_us, dt, thrust_.given, core::armed(state()));
   learn(now_us, dt);
   const bool drive = supervisor_.may_drive(conditions_, now_us);
@@ -370,6 +368,11 @@ void Boat<S>::learn(std::int64_t now_us, S dt) {
 }
 
 template <class S>
+void Boat<S>::report_last_tick() {
+  if (const auto last_us = ticks_.last_us()) vehicle_.report(report_of(parts_, *last_us));
+}
+
+template <class S>
 void Boat<S>::tell(std::int64_t now_us) {
   if ((conditions_ & core::kOwnFresh) != 0 && pilot_.located()) vehicle_.locate(pilot_.origin());
   if (vehicle_.tells_report()) vehicle_.report(report_of(parts_, now_us));
@@ -387,7 +390,7 @@ void Boat<S>::tell(std::int64_t now_us) {
 
 template <class S>
 Snapshot Boat<S>::snapshot() const {
-  return snapshot_of(parts_, last_tick_us_.value_or(0));
+  return snapshot_of(parts_, ticks_.last_us().value_or(0));
 }
 
 template class Boat<float>;

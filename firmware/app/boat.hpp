@@ -24,6 +24,7 @@
 #include "app/report.hpp"
 #include "app/scalar_range.hpp"
 #include "app/supervisor.hpp"
+#include "app/ticks.hpp"
 
 namespace flotilla::app {
 
@@ -164,6 +165,7 @@ class Boat {
   void look_at_limits(std::int64_t now_us);
   void look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us);
 
+  void report_last_tick();
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // null if the caller owns it
@@ -172,8 +174,6 @@ class Boat {
   MavlinkLinks links_;
   Pilot<S> pilot_;
   Vehicle vehicle_;
-  float tick_rate_Hz_;
-  int max_idle_ticks_ = 0;
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions heard_ = 0;  // of this tick
@@ -195,9 +195,8 @@ class Boat {
   link::Counters counters_;
   link::Received received_;  // reused: constructing one for each message would zero all of it
 
-  std::optional<std::int64_t> last_tick_us_;
   MonotonicClock clock_;
-  int idle_ticks_ = 0;  // successive ticks without progress of time
+  Ticks ticks_;
 
   Membership fleet_;
   Warnings<S> warnings_;
