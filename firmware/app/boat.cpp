@@ -22,10 +22,11 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
            configuration().start.tick_us / 2),
       ticks_(p.CTL_RATE),
       fleet_(vehicle_, links_, counters_),
-      warnings_(vehicle_, pilot_, learnt_, counters_),
+      learner_(pilot_, can_),
+      warnings_(vehicle_, pilot_, learner_.monitor(), counters_),
       alone_(vehicle_, pilot_, limits_, warnings_, counters_),
-      parts_{vehicle_, supervisor_, pilot_,      learnt_,     limits_, fence_watch_,
-             can_,     host_,       conditions_, law_output_, thrust_, counters_} {
+      parts_{vehicle_, supervisor_, pilot_,      learner_.monitor(), limits_, fence_watch_,
+             can_,     host_,       conditions_, law_output_,        thrust_, counters_} {
   range_.clear();
   configure();
 }
@@ -203,8 +204,9 @@ void Boat<S>::configure() {
   ticks_.limit_idle(parameters().FS_NAV_S);
   supervisor_.choose(configuration().failsafes.choices);
   const Parameters applied = fleet_.applied(parameters());
-  const auto law = convert::law_of<S>(learnt_.applied(applied));
-  learnt_.configure(applied, convert::in_float(law.controller.outer.r_max));
+  ModelMonitor& learnt = learner_.monitor();
+  const auto law = convert::law_of<S>(learnt.applied(applied));
+  learnt.configure(applied, convert::in_float(law.controller.outer.r_max));
   pilot_.configure(configuration_of(applied), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
   thrusters_.set_curves(law);
@@ -339,32 +341,10 @@ void Boat<S>::steer(std::int64_t now_us) {
 template <class S>
 void Boat<S>::learn(std::int64_t now_us, S dt) {
   if (!core::law_drives(state()) || (conditions_ & core::kOwnFresh) == 0) {
-    learnt_.interrupt();
-    learning_ = {};
-    return;
+    learner_.interrupt();
+  } else if (learner_.step(thrust_.thrust, configuration().propulsion, dt, now_us)) {
+    configure();
   }
-  const core::AllocationParams<S>& propellers = pilot_.law().propellers;
-  const auto& propulsion = configuration().propulsion;
-  // Without this, a propeller at rest in its dead band would look like drag. A propeller at rest at
-  // a greater thrust is stuck, and counts as weak.
-  const auto given = [&](S thrust, std::uint8_t esc) {
-    const bool dead = can_.rests(esc) && core::abs(thrust) < S(0.125) * propellers.F;
-    return dead ? S(0) : thrust;
-  };
-  const core::Thrust<S> thrust{given(thrust_.thrust.port, propulsion.port_esc),
-                               given(thrust_.thrust.stbd, propulsion.stbd_esc)};
-  // Summed in the law's scalar: float is slow where a processor has none.
-  core::impulse_forward(learning_, core::wrench_of(propellers, thrust), dt);
-  if (learning_.time < S(ModelMonitor::kSample_s)) return;
-  const auto of = [](S x) { return convert::in_float(x); };
-  const auto [sum, time] = std::exchange(learning_, {});
-  const core::Motion<S>& motion = pilot_.motion();
-  const auto [sin, cos] = core::sin_cos(motion.psi);
-  const core::Vec2<S>& current_n = pilot_.current_n();
-  const bool applies = learnt_.take({{of(sum.X), of(sum.N)}, of(time)},
-                                    {of(motion.nu.u), of(motion.nu.v), of(motion.nu.r)},
-                                    {of(sin), of(cos)}, {of(current_n.x), of(current_n.y)}, now_us);
-  if (applies) configure();
 }
 
 template <class S>

@@ -11,8 +11,8 @@
 
 #include "app/alone.hpp"
 #include "app/conditions.hpp"
-#include "app/estimation/model_monitor.hpp"
 #include "app/guidance/pilot.hpp"
+#include "app/learner.hpp"
 #include "app/membership.hpp"
 #include "app/monotonic_clock.hpp"
 #include "app/operator/storage.hpp"
@@ -181,10 +181,6 @@ class Boat {
   ScalarRange<S> range_;
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
-
-  ModelMonitor learnt_;
-  core::Impulse<S> learning_{};  // given since learnt_ last took one
-
   Settled slot_astern_;
 
   Thrusters<S> thrusters_;
@@ -199,6 +195,7 @@ class Boat {
   Ticks ticks_;
 
   Membership fleet_;
+  Learner<S> learner_;
   Warnings<S> warnings_;
   Alone<S> alone_;
   const Parts<S> parts_;  // of the above
