@@ -26,6 +26,10 @@ std::uint32_t uptime_s(std::int64_t since_us, std::int64_t now_us) {
   return static_cast<std::uint32_t>((now_us - since_us) / 1'000'000);
 }
 
+bool carries(const link::Route& route, const link::DataType& type) {
+  return route.kind == type.kind && route.type == type.id;
+}
+
 }  // namespace
 
 void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
@@ -35,63 +39,63 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
     ++counters.can_bad_frame;
     return;
   }
-  const auto is = [&](const link::DataType& type) {
-    return route->kind == type.kind && route->type == type.id;
-  };
-  const auto complete = [&](const link::DataType& type) {
-    return receiver_.push(*route, type, data, now_us, counters);
-  };
-  if (is(link::RawCommand::kType) || is(link::RpmCommand::kType) || is(link::ArmingStatus::kType)) {
+  if (carries(*route, link::RawCommand::kType) || carries(*route, link::RpmCommand::kType) ||
+      carries(*route, link::ArmingStatus::kType)) {
     foreign_us_ = now_us;  // whatever the content, even under our own node id
-  } else if (is(link::Allocation::kType)) {
-    const auto transfer = complete(link::Allocation::kType);
+  } else if (carries(*route, link::Allocation::kType)) {
+    const auto transfer = receiver_.push(*route, link::Allocation::kType, data, now_us, counters);
     const auto request = transfer ? link::read_allocation(transfer->payload) : std::nullopt;
     // A node that has an id is another allocator, and this is its answer.
     if (request && route->source == 0) allocation_ = node_ids_.answer(*request, now_us);
-  } else if (route->source == 0 || route->source == identity_.node) {
-    return;
-  } else if (is(link::EscStatus::kType)) {
+  } else if (route->source != 0 && route->source != identity_.node) {
+    take(*route, data, now_us, counters);
+  }
+}
+
+/// A frame of another node.
+void CanNode::take(const link::Route& route, std::span<const std::uint8_t> data,
+                   std::int64_t now_us, link::Counters& counters) {
+  const auto complete = [&](const link::DataType& type) {
+    return receiver_.push(route, type, data, now_us, counters);
+  };
+  if (carries(route, link::EscStatus::kType)) {
     const auto transfer = complete(link::EscStatus::kType);
-    if (!transfer) return;
-    const auto status = link::read_esc_status(transfer->payload);
-    if (!status) {
-      ++counters.can_bad_value;
-      return;
-    }
-    take_esc_status(route->source, *status, now_us);
-  } else if (is(link::NodeStatus::kType)) {
+    const auto status = transfer ? link::read_esc_status(transfer->payload) : std::nullopt;
+    if (transfer && !status) ++counters.can_bad_value;
+    if (status) take_esc_status(route.source, *status, now_us);
+  } else if (carries(route, link::NodeStatus::kType)) {
     const auto transfer = complete(link::NodeStatus::kType);
-    if (!transfer) return;
-    const auto status = link::read_node_status(transfer->payload);
-    if (!status) {
-      ++counters.can_bad_value;
-      return;
-    }
-    take_node_status(route->source, *status, now_us);
-  } else if (is(link::SafetyState::kType)) {
+    const auto status = transfer ? link::read_node_status(transfer->payload) : std::nullopt;
+    if (transfer && !status) ++counters.can_bad_value;
+    if (status) take_node_status(route.source, *status, now_us);
+  } else if (carries(route, link::SafetyState::kType)) {
     const auto transfer = complete(link::SafetyState::kType);
     const auto state = transfer ? link::read_safety_state(transfer->payload) : std::nullopt;
-    if (!state) return;
-    if (state->status != link::SafetyState::kOff) safety_on_us_ = now_us;
-    const auto known = std::ranges::find_if(switches_, [&](const SafetySwitch& one) {
-      return one.node == route->source || one.node == 0;
-    });
-    if (known == switches_.end()) return;
-    known->node = route->source;
-    if (state->status == link::SafetyState::kOff) known->off_us = now_us;
-  } else if (is(link::Button::kType)) {
+    if (state) take_safety_state(route.source, *state, now_us);
+  } else if (carries(route, link::Button::kType)) {
     const auto transfer = complete(link::Button::kType);
     const auto button = transfer ? link::read_button(transfer->payload) : std::nullopt;
     if (button && button->button == link::Button::kSafety) button_us_ = now_us;
-  } else if (is(link::NodeInfo::kRequest) && route->destination == identity_.node) {
-    if (const auto transfer = complete(link::NodeInfo::kRequest)) {
-      if (pending_count_ == pending_.size()) {
-        ++counters.can_not_sent;
-        return;
-      }
-      pending_[pending_count_++] = {route->source, route->priority, transfer->transfer_id};
+  } else if (carries(route, link::NodeInfo::kRequest) && route.destination == identity_.node) {
+    const auto transfer = complete(link::NodeInfo::kRequest);
+    if (!transfer) return;
+    if (pending_count_ == pending_.size()) {
+      ++counters.can_not_sent;
+    } else {
+      pending_[pending_count_++] = {route.source, route.priority, transfer->transfer_id};
     }
   }
+}
+
+void CanNode::take_safety_state(std::uint8_t node, const link::SafetyState& state,
+                                std::int64_t now_us) {
+  const bool off = state.status == link::SafetyState::kOff;
+  if (!off) safety_on_us_ = now_us;
+  const auto known = std::ranges::find_if(
+      switches_, [&](const SafetySwitch& one) { return one.node == node || one.node == 0; });
+  if (known == switches_.end()) return;
+  known->node = node;
+  if (off) known->off_us = now_us;
 }
 
 void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,

@@ -107,6 +107,9 @@ class CanNode {
   template <class Message>
   void put(const Message& message, const link::Route& route, const link::DataType& type,
            std::uint8_t transfer_id, link::Counters& counters, CanOutput& out);
+  void take(const link::Route& route, std::span<const std::uint8_t> data, std::int64_t now_us,
+            link::Counters& counters);
+  void take_safety_state(std::uint8_t node, const link::SafetyState& state, std::int64_t now_us);
   void take_node_status(std::uint8_t node, const link::NodeStatus& status, std::int64_t now_us);
   static void judge(Esc& esc, std::int64_t since_us);
   void take_esc_status(std::uint8_t node, const link::EscStatus& status, std::int64_t now_us);
