@@ -195,6 +195,65 @@ void move(RouteState<S>& state, S ds) {
   motion.psi = wrap_pi(state.course + turned(state.corner, state.way));
 }
 
+template <class S>
+S towards(S from, S to, S most) {
+  return clamp(to, from - most, from + most);
+}
+
+/// h seconds of a turn on the spot, at waypoint `next`.
+template <class S>
+void turn(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state, S h) {
+  Motion<S>& motion = state.motion;
+  const S before = motion.nu.r, dr = params.yaw_accel * h;
+  const S off = wrap_pi(leg(points, state.next + 1).course - motion.psi);
+  const S most = min(params.yaw_rate, sqrt(S(1.8) * params.yaw_accel * abs(off)));
+  motion.nu.r = towards(before, off < S(0) ? -most : most, dr);
+  const S step = S(0.5) * (before + motion.nu.r) * h;
+  motion.psi = wrap_pi(motion.psi + step);
+  if (S(0.01) < abs(off) || S(2) * dr < abs(before)) return;
+  motion.nu.r = S(0);
+  const Vec2<S> here = motion.moved_n;
+  ++state.next;
+  begin_leg(params, points, state, here);
+}
+
+/// h seconds on a leg or in a corner.
+template <class S>
+void sail(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state, S pace, S h) {
+  using enum RoutePhase;
+  Motion<S>& motion = state.motion;
+  const S before = motion.nu.u, du = params.accel * h;
+  const bool rounds = state.phase == kCorner;
+  const S left = state.length - state.way;
+  const S at_end = state.speed_at_end;
+  const S leg_speed = points[state.next].speed;
+  const S after = max(left - before * h, S(0));
+  const S possible = rounds ? at_end : sqrt(at_end * at_end + S(1.8) * params.accel * after);
+  motion.nu.u = towards(before, min(pace * leg_speed, possible), du);
+  S ds = state.way_rest.take(S(0.5) * (before + motion.nu.u), h);
+  const bool at_stop = left < S(0.001) && before < S(2) * du;
+  if (!rounds && !(S(0) < at_end) && (at_stop || !(ds < left))) {
+    motion.nu.u = S(0);
+    begin_next(params, points, state);
+    motion.nu.r = S(0);
+    return;
+  }
+  while (!(ds < state.length - state.way) && (state.phase == kLeg || state.phase == kCorner)) {
+    const S rest = state.length - state.way;
+    move(state, rest);
+    ds = ds - rest;
+    begin_next(params, points, state);
+  }
+  if (state.phase == kWait) {
+    motion.nu = {};
+    return;
+  }
+  move(state, ds);
+  motion.nu.r = state.phase == kCorner && S(0) < state.corner.length
+                    ? motion.nu.u * curvature(state.corner, state.way)
+                    : S(0);
+}
+
 }  // namespace route
 
 /// The vessel at rest at the first waypoint, heading for the second.
@@ -217,8 +276,6 @@ void route_forward(const RouteParams<S>& params, Waypoints<S> points, RouteState
   using enum RoutePhase;
   Motion<S>& motion = state.motion;
   const Nu<S> before = motion.nu;
-  const S du = params.accel * h, dr = params.yaw_accel * h;
-  const auto towards = [](S from, S to, S most) { return clamp(to, from - most, from + most); };
   switch (state.phase) {
     case kArrived:
       break;
@@ -227,52 +284,13 @@ void route_forward(const RouteParams<S>& params, Waypoints<S> points, RouteState
       if (S(0) < state.left) break;
       state.phase = state.next + 1 < points.size() ? kTurn : kArrived;
       break;
-    case kTurn: {
-      const S off = wrap_pi(route::leg(points, state.next + 1).course - motion.psi);
-      const S most = min(params.yaw_rate, sqrt(S(1.8) * params.yaw_accel * abs(off)));
-      motion.nu.r = towards(before.r, off < S(0) ? -most : most, dr);
-      const S step = S(0.5) * (before.r + motion.nu.r) * h;
-      motion.psi = wrap_pi(motion.psi + step);
-      if (S(0.01) < abs(off) || S(2) * dr < abs(before.r)) break;
-      motion.nu.r = S(0);
-      const Vec2<S> here = motion.moved_n;
-      ++state.next;
-      route::begin_leg(params, points, state, here);
+    case kTurn:
+      route::turn(params, points, state, h);
       break;
-    }
     case kLeg:
-    case kCorner: {
-      const bool rounds = state.phase == kCorner;
-      const S left = state.length - state.way;
-      const S at_end = state.speed_at_end;
-      const S leg_speed = points[state.next].speed;
-      const S after = max(left - before.u * h, S(0));
-      const S possible = rounds ? at_end : sqrt(at_end * at_end + S(1.8) * params.accel * after);
-      motion.nu.u = towards(before.u, min(pace * leg_speed, possible), du);
-      S ds = state.way_rest.take(S(0.5) * (before.u + motion.nu.u), h);
-      const bool at_stop = left < S(0.001) && before.u < S(2) * du;
-      if (!rounds && !(S(0) < at_end) && (at_stop || !(ds < left))) {
-        motion.nu.u = S(0);
-        route::begin_next(params, points, state);
-        motion.nu.r = S(0);
-        break;
-      }
-      while (!(ds < state.length - state.way) && (state.phase == kLeg || state.phase == kCorner)) {
-        const S rest = state.length - state.way;
-        route::move(state, rest);
-        ds = ds - rest;
-        route::begin_next(params, points, state);
-      }
-      if (state.phase == kWait) {
-        motion.nu = {};
-        break;
-      }
-      route::move(state, ds);
-      motion.nu.r = state.phase == kCorner && S(0) < state.corner.length
-                        ? motion.nu.u * curvature(state.corner, state.way)
-                        : S(0);
+    case kCorner:
+      route::sail(params, points, state, pace, h);
       break;
-    }
   }
   motion.nu_dot = {(motion.nu.u - before.u) / h, S(0), (motion.nu.r - before.r) / h};
 }
