@@ -161,6 +161,11 @@ class Vehicle {
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
   std::uint8_t answer_of_fence(DecodedCommand& asked);
+  std::uint8_t answer_of_failure(const Failure& failure);
+  void acknowledge(const PendingRequest& pending, const Command& command, std::uint8_t result,
+                   link::Counters& counters);
+  void tell_decision(const DecodedCommand& asked, const Supervisor::Decision& decision,
+                     link::Counters& counters);
   std::optional<PlanReport> plan_report() const;
   void refresh();
   Supervisor::Decision judge(core::Request request);

@@ -230,10 +230,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
     asked = {mav::kDenied};
   }
-  if (asked.failure && failure_judge_ != nullptr) {
-    asked.result = failure_ ? mav::kTemporarilyRejected : failure_judge_(*asked.failure);
-    if (asked.result == mav::kAccepted) failure_ = asked.failure;
-  }
+  if (asked.failure && failure_judge_ != nullptr) asked.result = answer_of_failure(*asked.failure);
   if (asked.request == Request::kFormation && setpoints_.come_from(pending.from, now_us_)) {
     asked = {mav::kDenied};
     asked.why = "mode 6 after setpoints is OFFBOARD";
@@ -248,23 +245,39 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // denied: neither is set
-  if (asked.target && decision.granted) {
-    orders_.go_to(*asked.target);
-  }
+  if (asked.target && decision.granted) orders_.go_to(*asked.target);
   if (asked.fence) asked.result = answer_of_fence(asked);
   if (asked.message) {
     refresh();
     asked.result = answer_of(link, *asked.message);
     if (asked.result != mav::kAccepted) asked.message.reset();
   }
-  if (command.wants_ack) {
-    links_.send(link, link::CommandAck{command.id, asked.result, pending.from}, counters);
-  } else if (is_go_here(pending.message)) {
-    links_.send(link, link::MissionAck{pending.from, mission_result_of(asked.result), 0, 0},
-                counters);
-  }
+  acknowledge(pending, command, asked.result, counters);
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
+  tell_decision(asked, decision, counters);
+}
+
+std::uint8_t Vehicle::answer_of_failure(const Failure& failure) {
+  if (failure_) return mav::kTemporarilyRejected;
+  const std::uint8_t result = failure_judge_(failure);
+  if (result == mav::kAccepted) failure_ = failure;
+  return result;
+}
+
+void Vehicle::acknowledge(const PendingRequest& pending, const Command& command,
+                          std::uint8_t result, link::Counters& counters) {
+  if (command.wants_ack) {
+    links_.send(pending.link, link::CommandAck{command.id, result, pending.from}, counters);
+  } else if (is_go_here(pending.message)) {
+    links_.send(pending.link, link::MissionAck{pending.from, mission_result_of(result), 0, 0},
+                counters);
+  }
+}
+
+/// Tells operators of a new state, or why a request is refused.
+void Vehicle::tell_decision(const DecodedCommand& asked, const Supervisor::Decision& decision,
+                            link::Counters& counters) {
   if (decision.changed) announce_state(0, counters);
   if (!decision.granted) {
     refuse(asked.request, decision.missing, counters);
