@@ -115,17 +115,15 @@ S latency_impulse(const Latency<S>& state, S from, S to) {
   return sum;
 }
 
-/// Corrects all filters by a fix with the yaw rate z.
+/// Integrates all filters from the last fix, dt before, to this one.
 template <class S>
-void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
+void latency_predict(const LatencyParams<S>& params, Latency<S>& state, S age, S dt) {
   using Filters = typename Latency<S>::Filters;
   constexpr int n = Latency<S>::kHypotheses;
   auto& x = state.x;
   auto& P = state.P;
-  const S kept = S(1) - dt / params.memory;
-  state.weight = kept * state.weight + S(1);
 
-  // Integrates from the last fix to this one, in `count` steps of h.
+  // In `count` steps of h.
   const int count = 1 + static_cast<int>(dt / params.step);
   const S h = dt / S(count);
   const S half = S(0.5) * h * params.d;
@@ -158,6 +156,17 @@ void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S a
   P.rr = by_F(F_P, P.rb, P.rgamma) + time * params.q_r;
   P.bb += time * params.q_b;
   P.gammagamma += state.responding(time * params.q_gamma);
+}
+
+/// Corrects all filters by a fix with the yaw rate z.
+template <class S>
+void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
+  using Filters = typename Latency<S>::Filters;
+  latency_predict(params, state, age, dt);
+  auto& x = state.x;
+  auto& P = state.P;
+  const S kept = S(1) - dt / params.memory;
+  state.weight = kept * state.weight + S(1);
 
   // x ← x + K (z − r̂), P ← P − K P_r, with the gain K = P_rᵀ / (P_rr + R)
   const Filters off = z - x.r;
