@@ -185,7 +185,9 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   paths_.begin(table, before, std::min(now_us, ledger_.valid_us()));
   peers_.begin(table, before, now_us);
   by_parameters_ = own;
-  by_hand_ = false;
+  const bool obeyed = !std::exchange(by_hand_, false) && before.rank_of(system_).has_value();
+  // Without a slot in the table a follower must not sail to the one of its parameters.
+  if (obeyed && !table.rank_of(system_) && core::follows(state_)) stops_ = true;
   if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
     // Its former leader may be its follower now.
     attachment_ = is_of(table, own.leader) ? std::optional(Attachment{}) : std::nullopt;

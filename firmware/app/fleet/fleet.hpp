@@ -57,6 +57,8 @@ class Fleet {
   /// applied() has changed since the last call.
   [[nodiscard]] bool take_change() { return std::exchange(changed_, false); }
 
+  bool is_member() const { return ledger_.current() && ledger_.current()->rank_of(system_); }
+
   /// The parameters, with leader and slot from the table if there is one.
   Parameters applied(const Parameters& own) const;
 

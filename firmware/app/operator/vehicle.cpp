@@ -237,6 +237,7 @@ void Vehicle::stop(link::Counters& counters) {
 
 void Vehicle::apply_rc(link::Counters& counters) {
   const auto asked = rc_.take_request(supervisor_.state(), now_us_);
+  if (asked == Request::kHold) note_stop();
   if (asked) request(*asked, counters);
 }
 
@@ -253,6 +254,7 @@ bool Vehicle::obey(Request request, link::Counters& counters) {
 }
 
 bool Vehicle::obey_stop(link::Counters& counters) {
+  note_stop();
   counters.requests_dropped += inbox_.drop(
       [](const PendingRequest& pending) { return undoes_stop(pending) && !stops(pending); });
   const State state = supervisor_.state();

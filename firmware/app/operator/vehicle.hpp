@@ -201,12 +201,15 @@ class Vehicle {
   StatusTexts texts_;
   TimesyncSender timesync_;
   SailingOrders orders_;
+  /// By a pilot's switch or the fleet's table: it reached every link, from no operator.
+  void note_stop() { stop_ = {now_us_, {}, 0xFF}; }
+
   struct Stop {
     std::int64_t us = std::numeric_limits<std::int64_t>::min() / 2;
     link::Address by{};
     std::uint8_t links = 0;  ///< it came on, by bits
   };
-  Stop stop_;                           // an operator's last one
+  Stop stop_;                           // the last one
   std::optional<std::size_t> reached_;  // item
   Setpoints setpoints_;
   RcInput rc_;

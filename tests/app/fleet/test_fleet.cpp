@@ -38,7 +38,7 @@ TEST_CASE(
   CHECK(harbour.applied(3).FORM_FRAME == 0);
 }
 
-TEST_CASE("a boat left out of a new table receives that table, and does not take over") {
+TEST_CASE("a boat left out of a new table receives that table, stops, and does not take over") {
   Harbour harbour = under_way();
   FleetTable next = table_of_four(2);
   next.members[1] = next.members[3];
@@ -51,7 +51,7 @@ TEST_CASE("a boat left out of a new table receives that table, and does not take
   harbour.sail(4);
   CHECK(harbour.boats[1].fleet.take_epoch() == 2);
   harbour.sail(20);
-  CHECK(harbour.boats[1].state == core::State::kFormation);
+  CHECK(harbour.boats[1].state == core::State::kHold);
   CHECK(harbour.boats[0].state == core::State::kAuto);
 }
 
