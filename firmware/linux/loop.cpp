@@ -252,16 +252,33 @@ void Loop::read_links(std::int64_t now_us) {
   }
 }
 
+/// The list of which the last writing failed; empty: none.
+std::string_view Loop::unsaved_list() const {
+  constexpr std::array<std::string_view, app::kStoredKinds> kNames{"plan", "fence", "rally points"};
+  const auto failed =
+      std::ranges::find_if(kept_, [](const Kept& kept) { return kept.saver.failed(); });
+  return failed == kept_.end() ? std::string_view{}
+                               : kNames[static_cast<std::size_t>(failed->kind)];
+}
+
+std::string_view Loop::why_not_to_arm() const {
+  if (parameters_.must_be_confirmed()) return app::kParametersUnsaved;
+  if (boat_->fence_is_lost()) return app::kFenceLost;
+  const bool fence_unsaved = std::ranges::any_of(kept_, [](const Kept& kept) {
+    return kept.kind == app::Stored::kFence && kept.saver.failed();
+  });
+  return fence_unsaved ? app::kFenceUnsaved : std::string_view{};
+}
+
 void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
   boat_->on_host({.bus_up = bus_->usable(),
-                  .unsaved = parameters_.must_be_confirmed() ? app::kParametersUnsaved
-                             : boat_->fence_is_lost()        ? app::kFenceLost
-                                                             : std::string_view{},
+                  .unsaved = why_not_to_arm(),
                   .overruns = statistics_.overruns,
                   .unix_us = clock_us(CLOCK_REALTIME),
                   .save_failed = parameters_.save_failed(),
+                  .unsaved_list = unsaved_list(),
                   .stop_pressed = stop_.pressed(),
                   .closed_links = closed_links_,
                   .clock_is_set = !signing_time_ || signing_time_->clock_is_set()});

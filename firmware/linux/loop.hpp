@@ -42,6 +42,8 @@ class Loop {
   void secure();
   void restore_plans();
   bool keep_lists();
+  std::string_view unsaved_list() const;
+  std::string_view why_not_to_arm() const;
   void ask_for_real_time();
   void wait();
   void read_links(std::int64_t now_us);

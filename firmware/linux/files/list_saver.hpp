@@ -2,6 +2,7 @@
 // Saves a list in a file while the boat sails: only a background thread waits for the disk.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <exception>
@@ -47,6 +48,9 @@ class ListSaver {
   /// The first error with the file, once. Writing is retried.
   std::optional<std::string> error() { return error_.take(); }
 
+  /// The last writing failed.
+  bool failed() const { return failed_; }
+
  private:
   void write() {
     try {
@@ -57,10 +61,12 @@ class ListSaver {
         text = text_(items_);
       }
       const auto fault = replace_file(path_, text);
+      failed_ = fault.has_value();
       if (!fault) return;
       error_.put(*fault);
     } catch (const std::exception& error) {  // out of memory: retried as well
       error_.put(error.what());
+      failed_ = true;
     }
     const std::scoped_lock lock(mutex_);
     changed_ = true;
@@ -71,6 +77,7 @@ class ListSaver {
   std::mutex mutex_;  // of the next two; never held during a write
   std::vector<Item> items_;
   bool changed_ = false;
+  std::atomic<bool> failed_ = false;
   FirstError error_;
   RepeatingThread writer_;
 };

@@ -43,7 +43,6 @@ std::string_view next_line(std::string_view& text) {
 struct Checked {
   std::string_view lines;
   std::string fault;
-  bool is_another_format = false;
 };
 
 Checked check(std::string_view content) {
@@ -56,7 +55,7 @@ Checked check(std::string_view content) {
   const std::string_view title = next_line(lines);
   if (title != kFirstLine) {
     if (!title.starts_with(kTitle)) return {{}, "is not a parameter file"};
-    return {{}, "has another format (\"" + std::string(title) + "\")", true};
+    return {{}, "has another format (\"" + std::string(title) + "\")"};
   }
   return {lines, {}};
 }
@@ -122,7 +121,7 @@ void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
   }
 }
 
-enum class Found : std::uint8_t { kGood, kBad, kAnotherFormat, kAbsent };
+enum class Found : std::uint8_t { kGood, kBad, kAbsent };
 
 /// Reads one version into `loaded`; a bad one adds only its note.
 Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) {
@@ -139,7 +138,7 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
   Checked checked = check(content.text);
   if (!checked.fault.empty()) {
     bad(checked.fault);
-    return checked.is_another_format ? Found::kAnotherFormat : Found::kBad;
+    return Found::kBad;
   }
 
   LoadedParameters version;
@@ -184,8 +183,7 @@ LoadedParameters load_parameters(const std::filesystem::path& path) {
   if (file == Found::kAbsent) loaded.notes.push_back(path.filename().string() + " is missing");
   if (previous == Found::kGood) {
     loaded.source = ParameterSource::kPrevious;
-    if (file == Found::kAnotherFormat)
-      loaded.must_be_confirmed = true;  // the previous ones are older
+    loaded.must_be_confirmed = true;  // they lack the operator's last change
     loaded.notes.push_back("parameters loaded from " + previous_path.filename().string());
     return loaded;
   }

@@ -73,7 +73,7 @@ def test_a_damaged_file_is_reported_and_the_previous_one_used(sea: RealSea, file
     file.write_text(damaged)
     previous(file).write_text(text(CAN_NODE=33))
     sea.start(param={})
-    sea.arm()
+    sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
     assert sea.source_node() == 33
     assert "parameters.txt is damaged" in sea.process.words
     assert "parameters loaded from parameters.txt.previous" in sea.process.words
@@ -83,6 +83,7 @@ def test_a_damaged_file_is_reported_and_the_previous_one_used(sea: RealSea, file
     sea.start(param={})
     sea.save_parameters()
     assert is_whole(file.read_text()) and "CAN_NODE = 33\n" in file.read_text()
+    sea.arm()
 
 
 def test_beside_a_file_of_a_newer_version_the_previous_one_must_be_confirmed(

@@ -107,6 +107,19 @@ def test_a_damaged_file_is_reported_and_not_used(
     sea.until(lambda: words in sea.process.words)
 
 
+def test_a_boat_whose_fence_cannot_be_saved_reports_it_and_does_not_arm(sea: RealSea) -> None:
+    obstacle = sea.state_dir / "fence.txt.new"
+    sea.start()
+    sea.until(sea.ready)
+    obstacle.mkdir()
+    send(sea, FENCED, 1)
+    sea.until(lambda: "fence could not be saved: see the host's disk" in sea.texts())
+    sea.insist(lambda: "PreArm: parameters or fence are not saved" in sea.texts(), ARM, 1.0)
+    assert not sea.armed
+    obstacle.rmdir()
+    sea.arm()
+
+
 @pytest.mark.parametrize("lost", ["damaged", "refused"])
 @pytest.mark.parametrize("new", ["sent", "cleared"])
 def test_a_boat_that_cannot_use_its_stored_fence_does_not_arm_until_it_has_a_new_one_or_none(

@@ -40,6 +40,12 @@ void Warnings<S>::warn_of_host(const Seen& seen) {
   if (!std::exchange(save_failed_, host.save_failed) && save_failed_) {
     send_statustext(mav::kSeverityError, "parameters could not be saved: see the host's disk");
   }
+  const std::string_view before = std::exchange(unsaved_list_, host.unsaved_list);
+  if (before != unsaved_list_ && !unsaved_list_.empty()) {
+    Sentence text;
+    text << unsaved_list_ << " could not be saved: see the host's disk";
+    send_statustext(mav::kSeverityError, text.text());
+  }
 }
 
 template <class S>

@@ -78,6 +78,7 @@ class Warnings {
   core::StationLoss station_loss_ = core::StationLoss::kNo;
   std::optional<std::uint8_t> awaited_;  // a boat
   bool save_failed_ = false;
+  std::string_view unsaved_list_{};
   bool latency_told_ = false;
   bool deep_ = false;   // deeper in the tree than certified
   bool alone_ = false;  // sailed alone in the last tick
