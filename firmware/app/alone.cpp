@@ -201,6 +201,16 @@ void Alone<S>::set_home_of_plan(std::size_t reached) {
 }
 
 template <class S>
+void Alone<S>::look_for_rally(const convert::Position& here, std::int64_t now_us) {
+  const auto home = this->home();
+  if (limits_.home_near() || !home) rally_near_ = false;
+  if (limits_.home_near() || !home || !rally_due_.take_if_due(now_us)) return;
+  const auto goal = vehicle_.missions().return_place(here, *home, configuration().plan);
+  rally_near_ = convert::distance_m(here, {0, 0, {goal.latitude, goal.longitude, 0, 0}}) <
+                double{kErrandReach_m};
+}
+
+template <class S>
 std::optional<convert::GlobalPoint> Alone<S>::home() const {
   const auto home = limits_.home();
   if (!home) return std::nullopt;

@@ -46,6 +46,10 @@ class Alone {
   /// Before AUTO: judges the way from the boat to where the plan begins, ten times a second.
   void check_way(const convert::Position& here, std::int64_t now_us);
 
+  /// Once a second while home is too far away: looks for a rally point to return to.
+  void look_for_rally(const convert::Position& here, std::int64_t now_us);
+
+  bool rally_is_near() const { return rally_near_; }
   bool voyage_is_lost() const { return voyage_.is_lost(); }
 
  private:
@@ -77,7 +81,8 @@ class Alone {
   VoyagePilot<S> voyage_;                 // of AUTO
   std::optional<std::uint16_t> reached_;  // item of the plan
   Schedule way_due_{100'000};
-  Schedule leg_due_{1'000'000};
+  Schedule leg_due_{1'000'000}, rally_due_{1'000'000};
+  bool rally_near_ = false;
 };
 
 }  // namespace flotilla::app

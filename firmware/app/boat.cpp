@@ -224,8 +224,10 @@ template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // With a stopped clock no data ever become stale, so nothing can be trusted.
   if (ticks_.clock_stands()) return 0;
-  return conditions_of(
-      parts_, {heard_, range_.is_kept(), slot_astern_.is(), alone_.voyage_is_lost()}, now_us);
+  return conditions_of(parts_,
+                       {heard_, range_.is_kept(), slot_astern_.is(), alone_.voyage_is_lost(),
+                        alone_.rally_is_near()},
+                       now_us);
 }
 
 /// Called once this tick's position is known; the result enters the next tick's conditions.
@@ -238,11 +240,14 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
   const bool placed = (fenced || limits_.asks_place(failsafes, armed, now_us)) &&
                       pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
   const auto place = placed ? std::optional(pilot_.place()) : std::nullopt;
+  constexpr core::Conditions kSure = core::kOwnFresh | core::kOwnGood | core::kOwnSteady;
   limits_.look(failsafes, {now_us,
                            armed,
                            place,
+                           (conditions_ & kSure) == kSure,
                            {can_.esc_status(propulsion.port_esc, now_us),
                             can_.esc_status(propulsion.stbd_esc, now_us)}});
+  if (place) alone_.look_for_rally(*place, now_us);
   look_at_fence(place, now_us);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "app/parts.hpp"
 
@@ -32,9 +33,9 @@ core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsi
 }
 
 void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
-  const bool just_armed = seen.armed && !was_armed_;
+  asks_home_ = asks_home_ || (seen.armed && !was_armed_);
   was_armed_ = seen.armed;
-  if (seen.place && (!home_ || just_armed)) {
+  if (seen.place && seen.sure && std::exchange(asks_home_, false)) {
     left_from_ = seen.place;
     const auto at = convert::global_of(*seen.place);
     home_ = {at.latitude, at.longitude, seen.place->origin.altitude};
@@ -47,7 +48,7 @@ void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen&
   met_ = 0;
   if (battery_good_.is() || !battery_V) met_ |= core::kBatteryGood;
   if (!fence_m || inside(*fence_m, seen)) met_ |= core::kInsideFence;
-  if (seen.place && seen.now_us >= home_due_us_) {
+  if (seen.place && left_from_ && seen.now_us >= home_due_us_) {
     home_near_ = convert::distance_m(*left_from_, *seen.place) < double{kErrandReach_m};
     home_due_us_ = seen.now_us + 1'000'000;
   }
@@ -55,6 +56,7 @@ void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen&
 }
 
 void FailsafeLimits::set_home(const convert::GlobalPoint& place) {
+  asks_home_ = false;
   const std::int32_t altitude = home_ ? home_->altitude_mm : 0;
   left_from_ = convert::Position{0, 0, {place.latitude, place.longitude, altitude, 0}};
   home_ = {place.latitude, place.longitude, altitude};
@@ -63,7 +65,8 @@ void FailsafeLimits::set_home(const convert::GlobalPoint& place) {
 /// A disarmed boat counts as inside: arming makes its position the new home.
 bool FailsafeLimits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
-  return !seen.armed || convert::distance_m(*left_from_, *seen.place) <= double{fence_m};
+  return !seen.armed ||
+         (left_from_ && convert::distance_m(*left_from_, *seen.place) <= double{fence_m});
 }
 
 template <class S>
@@ -86,6 +89,7 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
                          pilot.conditions(now_us) | boat.limits.conditions();
   if (coasts_on(boat, now_us)) met |= core::kCoastRunning;
   if (judged.in_range) met |= core::kInRange;
+  if (judged.rally_near) met |= core::kHomeNear;
   if (!judged.slot_astern && pilot.claims().is_free(now_us, sails)) {
     met |= core::kSlotSound;
   }

@@ -22,6 +22,7 @@ struct Judged {
   bool in_range = false;     ///< no overflow of the law's scalar
   bool slot_astern = false;  ///< following the slot would require sailing astern
   bool voyage_lost = false;
+  bool rally_near = false;  ///< a rally point to which the boat may return is near enough
 };
 
 /// Whether both ESCs are online and obey, and no other node commands them.
@@ -36,13 +37,14 @@ class FailsafeLimits {
     std::int64_t now_us = 0;
     bool armed = false;
     std::optional<convert::Position> place{};  ///< if needed, fresh, with a known origin
+    bool sure = false;                         ///< place is good enough to be home
     std::array<std::optional<link::EscStatus>, 2> escs{};
   };
 
   /// Whether look() needs the position.
   bool asks_place(const Configuration::Failsafes& failsafes, bool armed,
                   std::int64_t now_us) const {
-    return !home_ || (armed && !was_armed_) || failsafes.fence_m || now_us >= home_due_us_;
+    return asks_home_ || (armed && !was_armed_) || failsafes.fence_m || now_us >= home_due_us_;
   }
 
   /// Once a tick.
@@ -50,8 +52,9 @@ class FailsafeLimits {
 
   core::Conditions conditions() const { return met_; }
 
-  /// The first known position; after arming, the position where the boat was last armed.
+  /// The first sure position since the start, and since the boat was last armed.
   std::optional<Home> home() const { return home_; }
+  bool home_near() const { return home_near_; }
   void set_home(const convert::GlobalPoint& place);
 
  private:
@@ -62,6 +65,7 @@ class FailsafeLimits {
   std::optional<convert::Position> left_from_;
   std::optional<Home> home_;  // left_from_ as a global position
   bool was_armed_ = false;
+  bool asks_home_ = true;   // the next sure position becomes home
   bool home_near_ = false;  // looked at once a second
   std::int64_t home_due_us_ = 0;
 };

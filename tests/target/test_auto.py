@@ -13,6 +13,7 @@ from tests.target.hull import Afloat, Hull
 from tests.target.operator_words import param_set
 from tests.target.plans import (
     DELAY,
+    INVALID_X,
     ITEM_ACCEPTED,
     LOITER,
     REFUSED,
@@ -236,6 +237,40 @@ def test_pause_stops_the_boat_and_continue_sails_on() -> None:
     sea.order(PAUSE, 1.0)
     sea.run(40.0)
     assert place(sea) == pytest.approx((10, 10), abs=0.05)
+
+
+@pytest.mark.parametrize("order", [(MISSION_START, 0.0), (SET_CURRENT, 0.0)])
+def test_an_order_to_go_on_ends_a_pause(order: tuple[int, float]) -> None:
+    sea = sailing([at(20, 0)])
+    sea.run(5.0)
+    sea.order(PAUSE, 0.0)
+    sea.run(8.0)
+    assert acks(sea.order(*order)) == [(order[0], ACCEPTED)]
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((20, 0), abs=0.2)
+
+
+@pytest.mark.nightly
+def test_a_plan_that_begins_far_from_its_first_place_is_read_on_as_the_boat_sails() -> None:
+    near = [at(6.0 * k, 1400.0 + 4.0 * (k % 2)) for k in range(1, 15)]
+    plan = [at(0, 0), *near, at(-1390, -400), at(-1390, -1400)]
+    sea = Afloat({"FS_SEP_M": 0.0}, hull=Hull([0.0, 1400.0, 0.0, 0.0, 0.0, 0.0]))
+    sea.run(3.0)
+    assert Planner(sea).send(plan) == ITEM_ACCEPTED
+    sea.arm()
+    sea.step()
+    sea.order(SET_CURRENT, 1.0)
+    sea.mode(AUTO)
+    sea.run(250.0)
+    assert sea.state == "AUTO"
+    assert sea.hull.q[1] < 1395.0  # on the leg to the first place that is far away
+
+
+def test_a_leg_over_2_9_km_is_refused() -> None:
+    sea = at_sea([])
+    assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1460, 0)]) == INVALID_X
+    assert "Plan refused at item 2: leg over 2.9 km" in texts(sea.ticks)
+    assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1440, 0)]) == ITEM_ACCEPTED
 
 
 def test_pause_is_for_auto_only_and_a_new_auto_is_not_paused() -> None:

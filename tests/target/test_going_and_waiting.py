@@ -296,6 +296,24 @@ def test_a_boat_on_its_way_home_can_be_paused() -> None:
     assert place(sea) == pytest.approx((0, 0), abs=0.05)
 
 
+@pytest.mark.parametrize("order", ["home", "there"])
+def test_a_new_order_ends_a_pause(order: str) -> None:
+    sea = guided(10.0)
+    sea.run(5.0)
+    sea.order(PAUSE, 0.0)
+    sea.run(10.0)
+    if order == "home":
+        sea.mode(RTL)
+        sea.run(8.0)
+        sea.order(PAUSE, 0.0)
+        sea.run(3.0)
+        sea.mode(RTL)
+    else:
+        reposition(sea, at(0, 10))
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((0, 0) if order == "home" else (0, 10), abs=0.1)
+
+
 def test_the_propellers_stop_where_the_own_state_is_lost() -> None:
     for number in (LOITER, RTL, GUIDED):
         sea = guided(15.0)
@@ -368,6 +386,30 @@ def test_a_rally_point_out_of_reach_does_not_keep_a_boat_from_home() -> None:
     sea.mode(RTL)
     sea.run(60.0)
     assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.1)
+
+
+def towed(north_m: float, rally_m: float) -> Afloat:
+    """A boat in HOLD that was towed away from home, with a rally point."""
+    sea = at_sea([])
+    assert Planner(sea, kind=RALLY).send([rally(rally_m, 0)]) == ITEM_ACCEPTED
+    while sea.hull.q[0] < north_m:
+        sea.hull.q[3] = 12.0
+        sea.step()
+    sea.run(5.0)
+    return sea
+
+
+@pytest.mark.nightly
+def test_a_boat_far_from_home_returns_to_a_rally_point() -> None:
+    sea = towed(2880.0, 2930.0)
+    assert acks(sea.mode(RTL)) == [(SET_MODE, ACCEPTED)]
+    sea.run(90.0)
+    assert sea.state == "RTL" and place(sea) == pytest.approx((2930, 0), abs=3.0)
+    sea.mode(HOLD)
+    sea.run(1.0)
+    assert acks(sea.mode(RTL)) == [(SET_MODE, ACCEPTED)]
+    sea.run(2.0)
+    assert sea.state == "RTL"
 
 
 @pytest.mark.parametrize(("alone", "into"), [(0.0, "FORMATION"), (1.0, "RTL")])

@@ -35,8 +35,16 @@ from tests.target.plans import (
     plan_of,
     speed,
 )
-from tests.target.sea import Sea, named, texts
-from tests.target.stations import BOAT, GCS, GCS_COMPONENT, Station
+from tests.target.sea import Sea, acks, named, texts
+from tests.target.stations import (
+    BOAT,
+    GCS,
+    GCS_COMPONENT,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+    Station,
+    command_long,
+)
 
 SQUARE = [at(20, 0), speed(0.8), at(20, 20, radius_m=1.5), at(0, 20, hold_s=5), at(0, 0)]
 OTHER = [at(5, 5), at(-5, 5)]
@@ -381,3 +389,15 @@ def test_who_may_not_command_the_boat_reads_its_plan_and_changes_nothing() -> No
     sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, 0), sender=STRANGER)
     (ack,) = sea.step().named("MISSION_ACK")
     assert ack.type == REFUSED and plan_of(sea) == as_sent(SQUARE)
+
+
+def test_an_empty_upload_in_the_same_tick_as_auto_begins_nothing() -> None:
+    sea = Sea()
+    sea.leader.on = False
+    assert Planner(sea).send([at(20, 0)]) == ITEM_ACCEPTED
+    sea.enter_hold()
+    sea.run(0.5)
+    empty = mavlink.MAVLink_mission_count_message(BOAT, 1, 0, 0)
+    sea.say(empty, command_long(SET_MODE, 1.0, 10.0))
+    assert acks(sea.step()) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert sea.state == "HOLD" and "AUTO" not in texts(sea.ticks)

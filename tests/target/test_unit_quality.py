@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.target.hull import Afloat
 from tests.target.operator_words import param_set
-from tests.target.sea import Sea, at_sea, texts
+from tests.target.plans import ORIGIN
+from tests.target.sea import Sea, at_sea, named, texts
 from tests.target.stations import (
     BOAT,
     FORMATION,
@@ -139,3 +142,21 @@ def test_a_unit_without_a_quality_report_is_mentioned_at_arming() -> None:
     other.enter_hold()
     other.run(0.2)
     assert said not in texts(other.ticks)
+
+
+def test_home_is_the_first_place_that_the_unit_calls_good() -> None:
+    sea = Afloat({"FS_SEP_M": 0.0})
+    true, off_m = sea.own.truth, 60.0
+    sea.own.truth = lambda now_us: replace(true(now_us), north=true(now_us).north + off_m)
+    sea.own.tells_fix = False
+    for _ in range(2):
+        sea.say(gps(1, 20.0), sender=sea.own.station)
+        sea.run(1.0)
+    assert not sea.condition("own_good")
+    sea.arm()
+    sea.run(2.0)
+    off_m = 0.0
+    sea.own.tells_fix = True
+    sea.run(8.0)
+    home = named(sea.ticks, "HOME_POSITION")[-1]
+    assert home.latitude == pytest.approx(ORIGIN[0], abs=2)

@@ -13,10 +13,11 @@ namespace flotilla::app {
 
 class SailingOrders {
  public:
-  /// A target for GUIDED, instead of velocities.
+  /// A target for GUIDED, instead of velocities and of a pause.
   void go_to(const Target& target) {
     target_ = target;
     drive_.reset();
+    paused_ = false;
   }
 
   /// A script's setpoint for GUIDED: a new target, velocities, or neither.

@@ -191,7 +191,9 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
     asked.why = missions_.refusal_of_way(*here, *asked.item, configuration_.plan);
     if (!asked.why.empty()) return mav::kDenied;
   }
-  return missions_.set_current(*asked.item) ? mav::kAccepted : mav::kDenied;
+  if (!missions_.set_current(*asked.item)) return mav::kDenied;
+  orders_.pause(false);
+  return mav::kAccepted;
 }
 
 /// Goes to an item, or pauses the plan or the errand.
@@ -245,6 +247,8 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // denied: neither is set
+  // A new order ends a pause; a late copy of an older one does not.
+  if (drives(asked.request) && decision.granted && !command.repeated) orders_.pause(false);
   if (asked.target && decision.granted) orders_.go_to(*asked.target);
   if (asked.fence) asked.result = answer_of_fence(asked);
   if (asked.message) {

@@ -151,6 +151,13 @@ PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
   }
 }
 
+/// Judges the length of the leg between two places.
+PlanFault fault_of_leg(const PlanItem& from, const PlanItem& to) {
+  const convert::Position start{0, 0, {from.x, from.y, 0, 0}};
+  if (convert::way_to<double>(start, {to.x, to.y}, kPlanLeg_m).near) return {};
+  return {mav::kMissionInvalidX, "leg over 2.9 km"};
+}
+
 }  // namespace
 
 bool is_global(std::uint8_t frame) {
@@ -205,7 +212,12 @@ PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
   }
   const bool sets_home = last.command == mav::kDoSetHome && !sets_home_here(last);
   if (fault || !(leads_somewhere(last) || sets_home)) return fault;
-  return fault_of_reach(*std::ranges::find_if(plan, leads_somewhere), last);
+  if (const PlanFault far = fault_of_reach(*std::ranges::find_if(plan, leads_somewhere), last)) {
+    return far;
+  }
+  const auto earlier = plan.first(plan.size() - 1);
+  const auto before = std::find_if(earlier.rbegin(), earlier.rend(), leads_somewhere);
+  return before == earlier.rend() || sets_home ? PlanFault{} : fault_of_leg(*before, last);
 }
 
 PlanFault fault_of(Plan plan) {

@@ -35,6 +35,8 @@ using PlanDefaults = Configuration::Plan;
 
 /// All places of a plan lie within this distance of the first one.
 constexpr float kPlanReach_m = 2000;
+/// The longest leg from one place of a plan to the next.
+constexpr float kPlanLeg_m = 2900;
 /// The farthest that a boat may be from the place where its plan begins.
 constexpr float kPlanStart_m = 1000;
 /// No plan asks for a greater speed.

@@ -11,6 +11,8 @@ namespace {
 
 constexpr float kLongestWay_m = 3000;  // the planner's tested range
 static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
+constexpr int kFarther_m =
+    50;  // that the vessel sails before it reads on in a plan that leads far away
 constexpr int kNear_m = 1;  // from this distance of the boat on the vessel slows down
 // Steps of the scout between two samples of the future.
 constexpr int kSteps = 5;
@@ -28,6 +30,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   points_[0] = {};
   items_ = {};
   count_ = 1;
+  unread_.reset();
   sound_ = true;
   seen_ = 0;
   reader_.begin(voyage.plan, voyage.first, defaults, voyage.home);
@@ -54,28 +57,44 @@ template <class S>
 void PlanVessel<S>::fill(Plan plan) {
   std::size_t left = 2 * plan.size() + kWindow;
   while (count_ < kWindow && left-- > 0) {
-    const auto point = reader_.next(plan);
-    if (!point) return;
-    add(*point);
+    if (!unread_) unread_ = reader_.next(plan);
+    if (!unread_ || !add(*unread_)) return;
+    unread_.reset();
   }
 }
 
+/// False: the point is beyond the planner's range until the vessel has come nearer.
 template <class S>
-void PlanVessel<S>::add(const PlanPoint& point) {
+bool PlanVessel<S>::add(const PlanPoint& point) {
   const auto [way, near] = convert::way_to<S>(from_, point.place, kLongestWay_m);
+  if (!near && count_ > 1) return false;
   core::Waypoint<S>& last = points_[count_ - 1];
   const S wait = convert::scalar<S>(std::min(point.wait_s, kLongestWait_s));
   const S leg = core::hypot(way.x - last.place.x, way.y - last.place.y);
-  sound_ = sound_ && near && (count_ > 1 || leg <= convert::scalar<S>(start_m_));
+  sound_ = sound_ && (count_ > 1 || (near && leg <= convert::scalar<S>(start_m_)));
   if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
     last.wait = core::min(last.wait, convert::scalar<S>(kLongestWait_s) - wait) + wait;
     items_[count_ - 1] = point.item;
-    return;
+    return true;
   }
   points_[count_] = {way, convert::scalar<S>(point.speed_mps), convert::scalar<S>(point.radius_m),
                      wait};
   items_[count_] = point.item;
   ++count_;
+  return true;
+}
+
+/// Measures places and motion from the vessel's present place.
+template <class S>
+void PlanVessel<S>::move_base() {
+  const core::Vec2<S> moved = state_.motion.moved_n;
+  from_ = place();
+  const auto shift = [&](core::Vec2<S>& p) { p = {p.x - moved.x, p.y - moved.y}; };
+  for (std::size_t i = 0; i < count_; ++i) shift(points_[i].place);
+  for (core::RouteState<S>* vessel : {&state_, &scout_}) {
+    shift(vessel->from);
+    shift(vessel->motion.moved_n);
+  }
 }
 
 /// Share of its speed at which the vessel sails.
@@ -110,6 +129,11 @@ void PlanVessel<S>::forward(Plan plan, const BoatBehind<S>& boat, bool paused, S
   const S share = pace(boat, points_[std::min(state_.next, count_ - 1)].speed, paused);
   advance(state_, share, dt);
   look_ahead(share, dt);
+  const core::Vec2<S>& moved = state_.motion.moved_n;
+  if (unread_ && core::is_longer(moved, S(kFarther_m))) {
+    move_base();
+    fill(plan);
+  }
   if (state_.next <= kPassed) return;
   const std::size_t passed = state_.next - 1;
   scout_.next -= std::min(scout_.next, passed);

@@ -58,10 +58,9 @@ class PlanVessel {
   /// Sails for dt seconds at these velocities; the plan is given up.
   void drive(const core::Drive<S>& desired, const BoatBehind<S>& boat, bool paused, S dt);
 
-  /// The plan begins near enough to the boat, and its places read so far are in the planner's
-  /// range.
-  bool is_sound() const { return sound_; }
-  bool has_arrived() const { return state_.phase == core::RoutePhase::kArrived; }
+  /// The plan begins near enough to the boat, and no leg is longer than the planner's range.
+  bool is_sound() const { return sound_ && !(is_at_end() && unread_); }
+  bool has_arrived() const { return is_at_end() && !unread_; }
 
   /// The item whose place is ahead, or where the vessel waits or turns; the item where it started,
   /// if no place follows.
@@ -80,7 +79,9 @@ class PlanVessel {
 
   core::Waypoints<S> points() const { return core::Waypoints<S>(points_).first(count_); }
   void fill(Plan plan);
-  void add(const PlanPoint& point);
+  bool add(const PlanPoint& point);
+  void move_base();
+  bool is_at_end() const { return state_.phase == core::RoutePhase::kArrived; }
   void advance(core::RouteState<S>& state, S share, S dt) const;
   void look_ahead(S share, S dt);
 
@@ -89,6 +90,7 @@ class PlanVessel {
   std::uint16_t first_ = 0;  // item where it started
   core::RouteParams<S> limits_;
   PlanReader reader_;
+  std::optional<PlanPoint> unread_;  // the next point, still too far away
   std::array<core::Waypoint<S>, kWindow> points_{};
   std::array<std::optional<std::size_t>, kWindow> items_{};  // none: where it started
   std::size_t count_ = 1;

@@ -357,7 +357,7 @@ void MissionService::check_way(const convert::Position& here, const PlanDefaults
 
 bool MissionService::plan_is_sound(bool in_auto) const {
   if (in_auto) return check_.why().empty();
-  return check_.is_over() && plan_trouble().empty();
+  return !plan().empty() && check_.is_over() && plan_trouble().empty();
 }
 
 convert::GlobalPoint MissionService::return_place(const convert::Position& here,
