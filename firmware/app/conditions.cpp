@@ -33,9 +33,11 @@ core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsi
 }
 
 void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
-  asks_home_ = asks_home_ || (seen.armed && !was_armed_);
+  const bool just_armed = seen.armed && !was_armed_;
   was_armed_ = seen.armed;
+  asks_home_ = asks_home_ || just_armed;
   if (seen.place && seen.sure && std::exchange(asks_home_, false)) {
+    late_home_ = seen.armed && !just_armed;
     left_from_ = seen.place;
     const auto at = convert::global_of(*seen.place);
     home_ = {at.latitude, at.longitude, seen.place->origin.altitude};
@@ -62,7 +64,7 @@ void FailsafeLimits::set_home(const convert::GlobalPoint& place) {
   home_ = {place.latitude, place.longitude, altitude};
 }
 
-/// A disarmed boat counts as inside: arming makes its position the new home.
+/// A disarmed boat counts as inside: home is where it will be armed.
 bool FailsafeLimits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
   return !seen.armed ||

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "app/operator/telemetry/telemetry.hpp"
 #include "app/propulsion/can_node.hpp"
@@ -55,6 +56,8 @@ class FailsafeLimits {
   /// The first sure position since the start, and since the boat was last armed.
   std::optional<Home> home() const { return home_; }
   bool home_near() const { return home_near_; }
+  /// Home was set after the tick of arming, somewhere else perhaps; true once.
+  [[nodiscard]] bool take_late_home() { return std::exchange(late_home_, false); }
   void set_home(const convert::GlobalPoint& place);
 
  private:
@@ -65,6 +68,7 @@ class FailsafeLimits {
   std::optional<convert::Position> left_from_;
   std::optional<Home> home_;  // left_from_ as a global position
   bool was_armed_ = false;
+  bool late_home_ = false;
   bool asks_home_ = true;   // the next sure position becomes home
   bool home_near_ = false;  // looked at once a second
   std::int64_t home_due_us_ = 0;

@@ -20,7 +20,7 @@
 // jumps from side to side, as it does behind a reference that many boats have relayed: its
 // propellers answer late. Hence 0.97 and the limited growth, which keep the boat itself within
 // r_max. Both limits apply over ground; through the water ν* differs by the current. A slot with
-// |w_S| > u_max or |r_S| > 0.97 r_max is reported as too fast. At a limit the derivative is 0, and
+// |w_S| > u_max or |r_S| > r_max is reported as too fast. At a limit the derivative is 0, and
 // v* follows from the limited u*, r*.
 //
 // Q16.16: tested within ±500 (damping, kg/s)
@@ -96,7 +96,7 @@ struct TooFast {
 template <class S>
 TooFast<S> too_fast(const VirtualVelocityParams<S>& params, const Slot<S>& slot) {
   const bool u = S(0) < params.u_max && is_longer(Vec2<S>{slot.nu.u, slot.nu.v}, params.u_max);
-  const bool r = S(0) < params.r_max && r_star_max(params.r_max) < abs(slot.nu.r);
+  const bool r = S(0) < params.r_max && params.r_max < abs(slot.nu.r);
   return {u ? hypot(slot.nu.u, slot.nu.v) : S(0), r ? abs(slot.nu.r) : S(0)};
 }
 

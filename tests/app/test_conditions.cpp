@@ -17,7 +17,7 @@ bool has(core::Conditions met, core::Conditions desired) { return (met & desired
 struct Watch {
   Parameters p;
   FailsafeLimits limits;
-  FailsafeLimits::Seen seen;
+  FailsafeLimits::Seen seen{.sure = true};
 
   void voltages(float port, float stbd) {
     seen.escs = {link::EscStatus{}, link::EscStatus{}};
@@ -92,6 +92,26 @@ TEST_CASE("an unknown or invalid voltage does not count as above the limit") {
   watch.seen.escs[0].reset();
   watch.pass(3);
   CHECK_FALSE(watch.good());
+}
+
+TEST_CASE("home is a place that the unit calls good: the first one after arming") {
+  Watch watch;
+  watch.p.FS_FENCE_M = 100;
+  watch.seen.sure = false;
+  watch.at(60);
+  watch.pass(1);
+  CHECK_FALSE(watch.limits.home());
+  watch.seen.armed = true;
+  watch.pass(1);
+  CHECK_FALSE(watch.inside());  // of a fence without a centre
+  watch.seen.sure = true;
+  watch.at(0);
+  watch.pass(0.01);
+  CHECK(watch.limits.home()->latitude == 410'000'000);
+  CHECK(watch.inside());
+  watch.at(50);
+  watch.pass(1);
+  CHECK(watch.limits.home()->latitude == 410'000'000);
 }
 
 TEST_CASE("home is the first known position, then the position of arming; there it is inside") {

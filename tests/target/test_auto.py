@@ -35,7 +35,7 @@ from tests.target.stations import (
     TEMPORARILY_REJECTED,
 )
 
-AUTO, MISSION_START, PAUSE, SET_CURRENT, STANDARD_MODE = 10, 300, 193, 224, 262
+AUTO, MISSION_START, PAUSE, SET_CURRENT, STANDARD_MODE, JUMP = 10, 300, 193, 224, 262, 177
 NOT_STARTED, ACTIVE, PAUSED, COMPLETE = 2, 3, 4, 5
 CORNER = [at(10, 0), at(10, 10)]
 
@@ -245,6 +245,9 @@ def test_an_order_to_go_on_ends_a_pause(order: tuple[int, float]) -> None:
     sea.run(5.0)
     sea.order(PAUSE, 0.0)
     sea.run(8.0)
+    sea.arm()  # no order to sail
+    sea.run(2.0)
+    assert progress(sea)[2] == PAUSED
     assert acks(sea.order(*order)) == [(order[0], ACCEPTED)]
     sea.run(50.0)
     assert place(sea) == pytest.approx((20, 0), abs=0.2)
@@ -271,6 +274,8 @@ def test_a_leg_over_2_9_km_is_refused() -> None:
     assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1460, 0)]) == INVALID_X
     assert "Plan refused at item 2: leg over 2.9 km" in texts(sea.ticks)
     assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1440, 0)]) == ITEM_ACCEPTED
+    back = Item(JUMP, (1.0, 1.0, 0.0, 0.0), 0, 0, frame=2)
+    assert Planner(sea).send([at(0, 0), at(1990, 0), at(0, 1990), at(-1990, 0), back]) == INVALID_X
 
 
 def test_pause_is_for_auto_only_and_a_new_auto_is_not_paused() -> None:

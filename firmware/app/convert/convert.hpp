@@ -20,6 +20,7 @@ namespace flotilla::app::convert {
 struct GlobalPoint {
   std::int32_t latitude, longitude;  ///< degE7
   double turn_rad = 0;
+  bool operator==(const GlobalPoint&) const = default;
 };
 
 /// A vessel's state from one message or pair of messages: north-east from the sender's own origin,

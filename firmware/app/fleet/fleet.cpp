@@ -178,7 +178,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
 }
 
 /// The newest table comes into force.
-void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
+void Fleet::begin(const Configuration::Formation& own, core::State state, std::int64_t now_us) {
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
   ledger_.forward(now_us);
   const FleetTable& table = *ledger_.current();
@@ -187,7 +187,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   by_parameters_ = own;
   const bool obeyed = !std::exchange(by_hand_, false) && before.rank_of(system_).has_value();
   // Without a slot in the table a follower must not sail to the one of its parameters.
-  if (obeyed && !table.rank_of(system_) && core::follows(state_)) stops_ = true;
+  if (obeyed && !table.rank_of(system_) && core::follows(state)) stops_ = true;
   if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
     // Its former leader may be its follower now.
     attachment_ = is_of(table, own.leader) ? std::optional(Attachment{}) : std::nullopt;
@@ -200,7 +200,7 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
 FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation& own,
                        std::int64_t leader_limit_us, std::int64_t now_us) {
   system_ = report.system;
-  if (ledger_.is_due(now_us)) begin(own, now_us);
+  if (ledger_.is_due(now_us)) begin(own, report.state, now_us);
   FleetOrder order = FleetOrder::kNone;
   std::optional<Attachment> next;
   SlotMotion slot_motion;

@@ -107,7 +107,7 @@ class Fleet {
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
-  void begin(const Configuration::Formation& own, std::int64_t now_us);
+  void begin(const Configuration::Formation& own, core::State state, std::int64_t now_us);
   std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;
   void update_beacon(const FleetReport& report, bool yields, std::int64_t now_us);
 

@@ -19,7 +19,7 @@ struct HostReport {
   std::uint32_t overruns = 0;       ///< ticks more than a period late, since the start
   std::int64_t unix_us = 0;         ///< present time, µs since 1970; 0: unknown
   bool save_failed = false;         ///< the last attempt to save the parameters failed
-  std::string_view unsaved_list{};  ///< the same for "fence", "plan" or "rally points"
+  std::string_view unsaved_list{};  ///< "fence", "plan", "rally points": its last save failed
   bool stop_pressed = false;        ///< stop switch wired to the host
   std::uint8_t closed_links = 0;    ///< bit mask of MAVLink links whose device is not open
   bool clock_is_set = true;  ///< false: unix_us is a guess; the unit's SYSTEM_TIME replaces it

@@ -13,11 +13,12 @@ namespace flotilla::app {
 
 class SailingOrders {
  public:
-  /// A target for GUIDED, instead of velocities and of a pause.
+  /// A target for GUIDED, instead of velocities. It ends a pause, but not if it is the same as
+  /// before: then it may be a late copy.
   void go_to(const Target& target) {
-    target_ = target;
+    paused_ = paused_ && ordered_ == target;
+    ordered_ = target_ = target;
     drive_.reset();
-    paused_ = false;
   }
 
   /// A script's setpoint for GUIDED: a new target, velocities, or neither.
@@ -50,7 +51,7 @@ class SailingOrders {
 
  private:
   bool paused_ = false;
-  std::optional<Target> target_;
+  std::optional<Target> target_, ordered_;
   std::optional<core::Drive<double>> drive_;
   std::int64_t drive_us_ = 0;
 };

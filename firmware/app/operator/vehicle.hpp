@@ -157,6 +157,8 @@ class Vehicle {
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_jump(DecodedCommand& asked);
   std::uint8_t answer_of_plan(DecodedCommand& asked);
+  /// By a pilot's switch or the fleet's table: it reached every link, from no operator.
+  void note_stop() { stop_ = {now_us_, {}, 0xFF}; }
   void judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
@@ -201,9 +203,6 @@ class Vehicle {
   StatusTexts texts_;
   TimesyncSender timesync_;
   SailingOrders orders_;
-  /// By a pilot's switch or the fleet's table: it reached every link, from no operator.
-  void note_stop() { stop_ = {now_us_, {}, 0xFF}; }
-
   struct Stop {
     std::int64_t us = std::numeric_limits<std::int64_t>::min() / 2;
     link::Address by{};

@@ -31,6 +31,12 @@ bool drives(Request request) {
   return true;
 }
 
+/// Whether a request lets the boat sail without a leader.
+bool sails_alone(Request request) {
+  return request == Request::kAuto || request == Request::kGuided || request == Request::kLoiter ||
+         request == Request::kReturn;
+}
+
 bool is_of_logs(const RequestMessage& message) {
   return std::holds_alternative<link::LogRequestList>(message) ||
          std::holds_alternative<link::LogRequestData>(message) ||
@@ -192,7 +198,7 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
     if (!asked.why.empty()) return mav::kDenied;
   }
   if (!missions_.set_current(*asked.item)) return mav::kDenied;
-  orders_.pause(false);
+  if (supervisor_.state() == core::State::kAuto) orders_.pause(false);
   return mav::kAccepted;
 }
 
@@ -247,8 +253,10 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // denied: neither is set
-  // A new order ends a pause; a late copy of an older one does not.
-  if (drives(asked.request) && decision.granted && !command.repeated) orders_.pause(false);
+  // A new order ends a pause; a repeated one may be a late copy of an order before the pause.
+  if (sails_alone(asked.request) && !asked.target && decision.granted && !command.repeated) {
+    orders_.pause(false);
+  }
   if (asked.target && decision.granted) orders_.go_to(*asked.target);
   if (asked.fence) asked.result = answer_of_fence(asked);
   if (asked.message) {

@@ -17,6 +17,7 @@ constexpr float kErrandReach_m = 2900;
 struct Target {
   convert::GlobalPoint place{};
   float speed_mps = 0;  ///< 0: WP_SPEED
+  bool operator==(const Target&) const = default;
 };
 
 class Errand {

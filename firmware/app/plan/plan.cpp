@@ -89,6 +89,20 @@ PlanFault fault_of_home(const PlanItem& item) {
   return sets_home_here(item) ? PlanFault{} : fault_of_place(item);
 }
 
+/// Judges the length of the leg between two places, and round them.
+PlanFault fault_of_leg(const PlanItem& from, const PlanItem& to, const PlanDefaults& defaults) {
+  const convert::Position start{0, 0, {from.x, from.y, 0, 0}};
+  const float most_m = kPlanLeg_m - room_of(from, defaults) - room_of(to, defaults);
+  if (convert::way_to<double>(start, {to.x, to.y}, most_m).near) return {};
+  return {mav::kMissionInvalidX, "leg over 2.9 km"};
+}
+
+/// The last item of a plan that leads somewhere; nullptr: none does.
+const PlanItem* last_place(Plan plan) {
+  const auto last = std::find_if(plan.rbegin(), plan.rend(), leads_somewhere);
+  return last == plan.rend() ? nullptr : &*last;
+}
+
 /// Judges the last item, a jump. It must lead back over two places or a circle, so that no loop is
 /// without progress.
 PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
@@ -111,6 +125,7 @@ PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
   if (std::ranges::none_of(loop, moves)) {
     return {mav::kMissionInvalidParam1, "empty loop"};
   }
+  if (const PlanFault fault = fault_of_leg(*last_place(loop), *first, defaults)) return fault;
   const auto is_jump = [](const PlanItem& i) { return i.command == mav::kDoJump; };
   if (std::any_of(loop.begin(), first, is_jump)) {
     return {mav::kMissionInvalidParam1, "jump to a jump"};
@@ -149,13 +164,6 @@ PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
     default:
       return {mav::kMissionUnsupported, "command not supported"};
   }
-}
-
-/// Judges the length of the leg between two places.
-PlanFault fault_of_leg(const PlanItem& from, const PlanItem& to) {
-  const convert::Position start{0, 0, {from.x, from.y, 0, 0}};
-  if (convert::way_to<double>(start, {to.x, to.y}, kPlanLeg_m).near) return {};
-  return {mav::kMissionInvalidX, "leg over 2.9 km"};
 }
 
 }  // namespace
@@ -215,9 +223,8 @@ PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
   if (const PlanFault far = fault_of_reach(*std::ranges::find_if(plan, leads_somewhere), last)) {
     return far;
   }
-  const auto earlier = plan.first(plan.size() - 1);
-  const auto before = std::find_if(earlier.rbegin(), earlier.rend(), leads_somewhere);
-  return before == earlier.rend() || sets_home ? PlanFault{} : fault_of_leg(*before, last);
+  const PlanItem* before = last_place(plan.first(plan.size() - 1));
+  return before == nullptr || sets_home ? PlanFault{} : fault_of_leg(*before, last, defaults);
 }
 
 PlanFault fault_of(Plan plan) {

@@ -35,7 +35,7 @@ using PlanDefaults = Configuration::Plan;
 
 /// All places of a plan lie within this distance of the first one.
 constexpr float kPlanReach_m = 2000;
-/// The longest leg from one place of a plan to the next.
+/// The longest leg from one place of a plan, or a circle round it, to the next.
 constexpr float kPlanLeg_m = 2900;
 /// The farthest that a boat may be from the place where its plan begins.
 constexpr float kPlanStart_m = 1000;

@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kLongestWay_m = 3000;  // the planner's tested range
 static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
-constexpr int kFarther_m =
-    50;  // that the vessel sails before it reads on in a plan that leads far away
+// After this way the vessel measures again whether the next point is near enough.
+constexpr int kFarther_m = 50;
 constexpr int kNear_m = 1;  // from this distance of the boat on the vessel slows down
 // Steps of the scout between two samples of the future.
 constexpr int kSteps = 5;
@@ -30,7 +30,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   points_[0] = {};
   items_ = {};
   count_ = 1;
-  unread_.reset();
+  unread_ = false;
   sound_ = true;
   seen_ = 0;
   reader_.begin(voyage.plan, voyage.first, defaults, voyage.home);
@@ -57,13 +57,17 @@ template <class S>
 void PlanVessel<S>::fill(Plan plan) {
   std::size_t left = 2 * plan.size() + kWindow;
   while (count_ < kWindow && left-- > 0) {
-    if (!unread_) unread_ = reader_.next(plan);
-    if (!unread_ || !add(*unread_)) return;
-    unread_.reset();
+    PlanReader reader = reader_;
+    const auto point = reader.next(plan);
+    unread_ = point && !add(*point);
+    if (unread_) return;
+    reader_ = reader;
+    if (!point) return;
   }
 }
 
-/// False: the point is beyond the planner's range until the vessel has come nearer.
+/// False: the point is beyond the planner's range until the vessel has come nearer. Where that is
+/// known only on the way to the point before it, the vessel stops there.
 template <class S>
 bool PlanVessel<S>::add(const PlanPoint& point) {
   const auto [way, near] = convert::way_to<S>(from_, point.place, kLongestWay_m);

@@ -58,7 +58,8 @@ class PlanVessel {
   /// Sails for dt seconds at these velocities; the plan is given up.
   void drive(const core::Drive<S>& desired, const BoatBehind<S>& boat, bool paused, S dt);
 
-  /// The plan begins near enough to the boat, and no leg is longer than the planner's range.
+  /// The plan begins near enough to the boat. False, too, once the vessel stands at the beginning
+  /// of a leg that is longer than the planner's range.
   bool is_sound() const { return sound_ && !(is_at_end() && unread_); }
   bool has_arrived() const { return is_at_end() && !unread_; }
 
@@ -90,12 +91,12 @@ class PlanVessel {
   std::uint16_t first_ = 0;  // item where it started
   core::RouteParams<S> limits_;
   PlanReader reader_;
-  std::optional<PlanPoint> unread_;  // the next point, still too far away
   std::array<core::Waypoint<S>, kWindow> points_{};
   std::array<std::optional<std::size_t>, kWindow> items_{};  // none: where it started
   std::size_t count_ = 1;
   core::RouteState<S> state_{};
   bool sound_ = false;
+  bool unread_ = false;  // the next point is still too far away
 
   // The future is computed anew every second, a sample per tick, by sailing `scout_` ahead.
   core::RouteState<S> scout_{};

@@ -186,6 +186,7 @@ struct Ship {
 
   /// In that state, by its operator.
   void bring_to(State desired) {
+    if (desired == State::kAuto && vehicle->missions().plan().empty()) store_plan();
     tick();
     if (desired != State::kDisarmed) command(mav::kCmdComponentArmDisarm, 1);
     tick();
