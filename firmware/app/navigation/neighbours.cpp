@@ -37,7 +37,7 @@ bool is_vehicle(const link::Heartbeat& beat) {
   constexpr std::array<std::uint8_t, 22> kNone{0,  5,  6,  18, 26, 27, 30, 31, 32, 33, 34,
                                                36, 37, 38, 39, 40, 41, 42, 44, 48, 49, 50};
   return beat.autopilot != link::mav::kAutopilotInvalid &&
-         std::find(kNone.begin(), kNone.end(), beat.type) == kNone.end();
+         std::ranges::find(kNone, beat.type) == kNone.end();
 }
 
 /// A message that no other firmware sends.
@@ -234,8 +234,7 @@ void Neighbours::look_from(const convert::Position& own) {
 }
 
 Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
-  auto* const found =
-      std::find_if(vessels_.begin(), vessels_.end(), [=](const Vessel& v) { return v.id == id; });
+  auto* const found = std::ranges::find_if(vessels_, [=](const Vessel& v) { return v.id == id; });
   return found == vessels_.end() ? nullptr : found;
 }
 

@@ -78,7 +78,7 @@ DecodedCommand set_mode(const Command& c) {
   }
   const bool rovers =
       *base == mav::kModeFlagCustom &&
-      std::all_of(c.param.begin() + 2, c.param.end(), [](double x) { return x == 0; });
+      std::ranges::all_of(c.param.begin() + 2, c.param.end(), [](double x) { return x == 0; });
   if (c.wants_ack && !rovers) return denied("mode 6 of a PX4 client is OFFBOARD");
   return {mav::kAccepted, Request::kFormation};
 }

@@ -99,8 +99,8 @@ PlanFault fault_of_leg(const PlanItem& from, const PlanItem& to, const PlanDefau
 
 /// The last item of a plan that leads somewhere; nullptr: none does.
 const PlanItem* last_place(Plan plan) {
-  const auto last = std::find_if(plan.rbegin(), plan.rend(), leads_somewhere);
-  return last == plan.rend() ? nullptr : &*last;
+  while (!plan.empty() && !leads_somewhere(plan.back())) plan = plan.first(plan.size() - 1);
+  return plan.empty() ? nullptr : &plan.back();
 }
 
 /// Judges the last item, a jump. It must lead back over two places or a circle, so that no loop is
@@ -127,7 +127,7 @@ PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
   }
   if (const PlanFault fault = fault_of_leg(*last_place(loop), *first, defaults)) return fault;
   const auto is_jump = [](const PlanItem& i) { return i.command == mav::kDoJump; };
-  if (std::any_of(loop.begin(), first, is_jump)) {
+  if (std::ranges::any_of(loop.begin(), first, is_jump)) {
     return {mav::kMissionInvalidParam1, "jump to a jump"};
   }
   const auto jumps = static_cast<std::size_t>(std::ranges::count_if(plan, is_jump));
@@ -230,7 +230,7 @@ PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
 PlanFault fault_of(Plan plan) {
   const auto first = std::ranges::find_if(plan, leads_somewhere);
   if (first == plan.end()) return {mav::kMissionInvalid, "it has no waypoint"};
-  if (std::any_of(plan.begin(), first, waits))
+  if (std::ranges::any_of(plan.begin(), first, waits))
     return {mav::kMissionInvalid, "it begins with a wait"};
   return {};
 }

@@ -13,14 +13,12 @@ constexpr unsigned kHighestNode = 125;
 
 bool NodeIdServer::is_free(unsigned node) const {
   return node >= 1 && node <= kHighestNode && !occupied_[node] &&
-         std::none_of(table().begin(), table().end(),
-                      [&](const Entry& entry) { return entry.node == node; });
+         std::ranges::none_of(table(), [&](const Entry& entry) { return entry.node == node; });
 }
 
 bool NodeIdServer::restore(const Entry& entry) {
-  const bool known = std::any_of(table().begin(), table().end(), [&](const Entry& other) {
-    return other.unique_id == entry.unique_id;
-  });
+  const bool known = std::ranges::any_of(
+      table(), [&](const Entry& other) { return other.unique_id == entry.unique_id; });
   if (known || count_ == table_.size() || !is_free(entry.node)) return false;
   table_[count_++] = entry;
   return true;

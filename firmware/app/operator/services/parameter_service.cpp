@@ -20,7 +20,7 @@ link::Text<16> wire_name(std::string_view name) {
 
 /// A name of 16 characters has no NUL.
 std::string_view name_in(const link::Text<16>& text) {
-  const auto end = std::find(text.begin(), text.end(), '\0');
+  const auto end = std::ranges::find(text, '\0');
   return {text.data(), static_cast<std::size_t>(end - text.begin())};
 }
 

@@ -107,7 +107,7 @@ void Streams::set_share(std::size_t link, double share) {
 }
 
 std::size_t Streams::find(std::uint16_t id) const {
-  const auto* const found = std::find_if(
+  const auto* const found = std::ranges::find_if(
       kStreams.begin(), kStreams.end(),
       [&](const StreamInfo& info) { return info.id == id && (info.companion || !companion_); });
   return static_cast<std::size_t>(found - kStreams.begin());

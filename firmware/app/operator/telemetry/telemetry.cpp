@@ -262,9 +262,8 @@ bool can_compose(std::uint16_t id) {
                                  link::AvailableModes::kId,
                                  link::Odometry::kId};
   if (id == link::FormationFuture::kId) return false;  // sent only as news
-  return std::find(kOnceOnly.begin(), kOnceOnly.end(), id) != kOnceOnly.end() ||
-         std::any_of(kStreams.begin(), kStreams.end(),
-                     [&](const StreamInfo& info) { return info.id == id; });
+  return std::ranges::find(kOnceOnly, id) != kOnceOnly.end() ||
+         std::ranges::any_of(kStreams, [&](const StreamInfo& info) { return info.id == id; });
 }
 
 std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const Report& r) {
