@@ -63,17 +63,6 @@ def test_a_follower_that_a_new_table_leaves_out_stops() -> None:
     assert "fleet table 4 is in force, without this boat" in texts(sea.ticks)
 
 
-def test_a_request_repeated_after_a_stop_by_the_table_starts_no_boat() -> None:
-    sea = member()
-    sea.boat.on_mavlink(table_message(4, FLEET, stop=True), sea.now_us)
-    assert_stopped(sea)
-    sea.say(command_long(SET_MODE, 1.0, FORMATION, confirmation=1))
-    assert_stopped(sea)
-    sea.say(command_long(SET_MODE, 1.0, FORMATION))
-    sea.run(0.1)
-    assert sea.state == "FORMATION"
-
-
 def test_a_stop_counts_though_its_places_overlap() -> None:
     sea = member()
     near = [FLEET[0], Member(2, 1, (-0.1, 0.0), LENGTH_M)]

@@ -135,7 +135,7 @@ def test_whether_and_which_end_first_it_approaches_is_remembered() -> None:
         wanted[way] = helm.step(resting, 0.01)["virtual_velocity"]["r_radps"]
         assert helm.state[APPROACH] == way
     assert wanted[0.0] == pytest.approx(0.0, abs=1e-6)
-    assert wanted[1.0] < -0.3 and wanted[-1.0] > 0.3
+    assert wanted[1.0] < -0.19 and wanted[-1.0] > 0.19  # a quarter of LAW_R_MAX in the first tick
 
 
 class Twin:

@@ -12,13 +12,13 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.target.hull import Afloat
 from tests.target.operator_words import param_set
-from tests.target.plans import ORIGIN
 from tests.target.sea import Sea, at_sea, named, texts
 from tests.target.stations import (
     BOAT,
     FORMATION,
     LEADER,
     LEADER_COMPONENT,
+    ORIGIN,
     Station,
     gps,
     odometry,

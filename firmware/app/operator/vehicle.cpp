@@ -254,7 +254,6 @@ bool Vehicle::obey(Request request, link::Counters& counters) {
 }
 
 bool Vehicle::obey_stop(link::Counters& counters) {
-  note_stop();
   counters.requests_dropped += inbox_.drop(
       [](const PendingRequest& pending) { return undoes_stop(pending) && !stops(pending); });
   const State state = supervisor_.state();

@@ -157,7 +157,7 @@ class Vehicle {
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_jump(DecodedCommand& asked);
   std::uint8_t answer_of_plan(DecodedCommand& asked);
-  /// By a pilot's switch or the fleet's table: it reached every link, from no operator.
+  /// By a pilot's switch: it counts on every link, and is from no operator.
   void note_stop() { stop_ = {now_us_, {}, 0xFF}; }
   void judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;

@@ -160,6 +160,6 @@ def test_view_that_is_over_goes_on_as_a_replay_over_the_chart(
         begun = "flotilla.player && flotilla.shown && flotilla.source.t_s > flotilla.source.begin_s"
         browser.until(f"return {begun} && true")
         assert browser.run("return document.getElementById('speed').value") == "4"
-        assert "what was heard" in browser.run("return document.title")
+        assert "the messages heard" in browser.run("return document.title")
         assert [v["id"] for v in browser.run("return flotilla.shown.vessels")] == [1, 2, 3, 4, 100]
         browser.until("return flotilla.shown.t_s === flotilla.source.end_s")
