@@ -49,7 +49,7 @@ inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kOnStation, "boat is out of formation", "FS_SLOT_M"},
     {core::kPlanReady, "no plan, or outside fence or 1 km away"},
     {core::kLocated, "own global position is unknown"},
-    {core::kHomeNear, "home unknown, or no return place within 2.9 km"},
+    {core::kHomeNear, "no home or rally point within 2.9 km"},
     {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
     {core::kInsideFence, "outside fence, or position unknown", "FS_FENCE_M"},
     {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
