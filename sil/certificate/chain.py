@@ -16,12 +16,12 @@ P_n are the power spectra of the motion that noise and weather cause behind a le
 course. A depth is certified if no boat up to it is expected to turn faster than 0.95 LAW_R_MAX, to
 be faster than LAW_U_MAX, or to be more than 0.2 m RMS off its slot: beyond these limits a chain
 leaves the small motions for which gains are valid. The law itself demands no more than 0.97
-LAW_R_MAX: a boat above 0.95 is held by that limit, it follows no longer. If the law has no such
-limit, the firmware's default counts; a root that itself moves more in its manoeuvre raises the
-limits of yaw rate and speed. The hop is the one from boat 2 to boat 3, which both follow boats: G =
-T_3 / T_2, for the motion that a boat makes by its own thrust as it follows. With the reference,
-boat 2 is instead pushed off its way for the hop: boat 3 then follows it only by the slow shift of
-its slot (`core/reference.hpp`).
+LAW_R_MAX, so a boat above 0.95 is held by that limit. If the law has no such limit, the firmware's
+default counts; a root that itself moves more in its manoeuvre raises the limits of yaw rate and
+speed. The hop is the one from boat 2 to boat 3, which both follow boats: G = T_3 / T_2, for the
+motion that a boat makes by its own thrust as it follows. With the reference, boat 2 is instead
+pushed off its way for the hop: boat 3 then follows it only by the slow shift of its slot
+(`core/reference.hpp`).
 
 Every line of boats from the root is examined, except those that consist of the same kinds of boats
 as another, or as its beginning.
