@@ -40,7 +40,7 @@ from tests.target.stations import Station, heartbeat
 #: Of a boat of SHORTEST_M, the others' as their lengths: to its leader, and between slots with
 #: room to pass, 2.9 of the guard.
 SLOT_NORTH_M, SPACING_M = -3.0, 4.5
-# Off the slot, of a boat of SHORTEST_M. A boat that rests 1.5 LAW_XT_DIST beside its slot may stay.
+# Off the slot, of a boat of SHORTEST_M. At rest up to 1.5 LAW_XT_DIST beside its slot a boat stays.
 ARRIVED_M, AT_REST_M = 0.2, 0.75
 D11 = LEADER.d11  # kg/s: surge force of the leader over its speed
 TOGETHER = 50
