@@ -204,6 +204,12 @@ CLAIMS = {
     "noisy": Claim(
         "a noisy own state at 20 Hz", 0.03, (_SMOOTH,), defaults=(_STATE, _SLEW, *_THRUST)
     ),
+    "late_unit": Claim(
+        "the same, from units that are 0.2 s late, of which the boats know nothing",
+        0.03,
+        _AS_THE_ROOT[:2],
+        defaults=(_STATE, _SLEW, *_THRUST),
+    ),
     "limits": Claim(
         "weak, slow propellers, start 20 m away",
         0.003,

@@ -14,7 +14,7 @@ from sil.results.sailing import Outcome
 COLUMNS = ("scenario", "", "paper", "product", "to reach", "")
 _WORDS, _NUMBERS = 1, (2, 3, 4)
 BEGIN, END = "<!-- results: made by flotilla results -->\n", "<!-- end -->"
-_PERCENTILE = 0.95
+PERCENTILE = 0.95
 
 
 @dataclass(frozen=True)
@@ -102,19 +102,24 @@ def between(text: str, begin: str, content: str) -> str:
     return f"{before}{begin}{content}\n{END}{after}"
 
 
-def percentile(runs: Sequence[Outcome], bound: Bound, law: str) -> float | None:
-    """The 95th percentile, rounded up to a run; None: a run failed, NaN: no bound for this law."""
+def percentile(
+    runs: Sequence[Outcome], bound: Bound, law: str, share: float = PERCENTILE
+) -> float | None:
+    """The figure that `share` of the runs do not exceed, rounded up to a run.
+
+    None: a run failed, NaN: no bound for this law.
+    """
     if law not in bound.laws:
         return math.nan
     if not runs or any(run.failure for run in runs):
         return None
-    return _figure(decisive(runs, bound), bound)
+    return _figure(decisive(runs, bound, share), bound)
 
 
-def decisive(runs: Sequence[Outcome], bound: Bound) -> Outcome:
-    """The run whose figure is the 95th percentile; none of `runs` failed."""
+def decisive(runs: Sequence[Outcome], bound: Bound, share: float = PERCENTILE) -> Outcome:
+    """The run whose figure is that percentile; none of `runs` failed."""
     ordered = sorted(runs, key=lambda run: _figure(run, bound))
-    return ordered[math.ceil(_PERCENTILE * (len(ordered) - 1))]
+    return ordered[math.ceil(share * (len(ordered) - 1))]
 
 
 def _figure(run: Outcome, bound: Bound) -> float:

@@ -34,6 +34,7 @@ def test_a_row_differs_from_the_defaults_only_where_it_is_meant_to() -> None:
     assert found == {
         "weak_link": {"SR_STATE"},
         "noisy": {"20 Hz"},
+        "late_unit": {"20 Hz"},
         "limits": thrust,
         "resting_leader": {"20 Hz"},
         "sea": thrust,
