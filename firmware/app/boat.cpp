@@ -164,7 +164,9 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
         outlook_of(pilot_, state() == core::State::kAuto, configuration().plan.fastest_mps),
         now_us);
   }
-  const FleetOrder order = fleet_.order(state(), conditions_, now_us);
+  const bool held = state() == core::State::kHold && supervisor_.intended_mode() == mode::kHold;
+  const bool stopped = held || state() == core::State::kDisarmed;
+  const FleetOrder order = fleet_.order(state(), stopped, conditions_, now_us);
   if (order == FleetOrder::kLead) report_last_tick();
   if (fleet_.take_change()) {
     configure();

@@ -14,15 +14,18 @@ void Membership::hear(const link::Received& received, std::int64_t now_us) {
   fleet().hear(received, !commander || *commander == from ? Trust::kCommands : trust, now_us);
 }
 
-FleetOrder Membership::order(core::State state, core::Conditions conditions, std::int64_t now_us) {
+FleetOrder Membership::order(core::State state, bool stopped, core::Conditions conditions,
+                             std::int64_t now_us) {
   if (!kKeepsFleet) return FleetOrder::kNone;
   const MissionService& missions = vehicle_.missions();
+  const auto told = fleet().take_place();
+  if (told && told->item != missions.current() && !core::sails_alone(state)) keep(*told);
   const Configuration& configuration = vehicle_.configuration();
   const auto item = static_cast<std::uint16_t>(missions.current());
   const bool fit = (conditions & core::kLoiterBegins) == core::kLoiterBegins;
   const bool goes_on = !vehicle_.orders().is_paused() && !missions.is_complete();
   const std::uint32_t plan_id = goes_on ? missions.id(Stored::kPlan) : 0;
-  return fleet().step({vehicle_.self().system, state, fit, {plan_id, item}},
+  return fleet().step({vehicle_.self().system, state, fit, {plan_id, item}, stopped},
                       configuration.formation, configuration.navigation.leader_limit_us, now_us);
 }
 
@@ -49,14 +52,15 @@ bool Membership::obey(FleetOrder order) {
 
 /// Continues the fleet's plan from the last leader's item, or waits if this boat has another plan.
 void Membership::lead() {
-  MissionService& missions = vehicle_.missions();
-  const FleetPlace& place = fleet().place();
-  const bool shared = place.plan_id != 0 && place.plan_id == missions.id(Stored::kPlan);
-  if (shared && missions.set_current(place.item) &&
-      vehicle_.obey(core::Request::kAuto, counters_)) {
-    return;
-  }
+  if (keep(fleet().place()) && vehicle_.obey(core::Request::kAuto, counters_)) return;
   vehicle_.obey(core::Request::kLoiter, counters_);
+}
+
+/// Makes the fleet's item the current one. False if this boat has another plan, or none.
+bool Membership::keep(const FleetPlace& place) {
+  MissionService& missions = vehicle_.missions();
+  const bool shared = place.plan_id != 0 && place.plan_id == missions.id(Stored::kPlan);
+  return shared && missions.set_current(place.item);
 }
 
 void Membership::tell(std::int64_t now_us) {

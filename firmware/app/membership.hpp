@@ -30,8 +30,9 @@ class Membership {
     fleet().give_places(outlook, now_us);
   }
 
-  /// The rule's order; call it once a tick.
-  FleetOrder order(core::State state, core::Conditions conditions, std::int64_t now_us);
+  /// The rule's order; call it once a tick. `stopped`: see FleetReport.
+  FleetOrder order(core::State state, bool stopped, core::Conditions conditions,
+                   std::int64_t now_us);
 
   /// applied() has changed since the last call.
   [[nodiscard]] bool take_change() { return kKeepsFleet && fleet().take_change(); }
@@ -61,6 +62,7 @@ class Membership {
   Fleet& fleet() { return fleets_[0]; }
   const Fleet& fleet() const { return fleets_[0]; }
   void lead();
+  bool keep(const FleetPlace& place);
 
   Vehicle& vehicle_;
   MavlinkLinks& links_;

@@ -224,11 +224,11 @@ class FleetVehicle:
             return
         command = Command(*asker, wish)
         self._answer(command, mavlink.MAV_RESULT_IN_PROGRESS)
-        if command in (self._carried_out, *self._asked):
-            return
         for other in [other for other in self._asked if _rank(other) < _rank(command)]:
             self._asked.remove(other)
             self._answer(other, _CANCELLED)
+        if command in (self._carried_out, *self._asked):
+            return
         self._asked.append(command)
 
     def _heartbeat(self) -> mavlink.MAVLink_message:

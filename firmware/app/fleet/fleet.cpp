@@ -154,7 +154,8 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     return;
   }
   // A boat that the newest table omits needs it too, or it might take over from the leader.
-  if (!is_of(held, from) && !ledger_.replaces(beacon.epoch, beacon.digest)) return;
+  const auto now_rank = rank_in(ledger_.current(), from);
+  if (!is_of(held, from) && !now_rank && !ledger_.replaces(beacon.epoch, beacon.digest)) return;
   FleetTable theirs;
   theirs.epoch = beacon.epoch;
   theirs.digest = beacon.digest;
@@ -165,15 +166,16 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     table_us_ = now_us + kTurn_us * static_cast<std::int64_t>((own.value_or(0) + beacon.sequence) %
                                                               held.count);
   }
-  const auto now_rank = rank_in(ledger_.current(), from);
   if (!now_rank) return;
   peers_.take(*now_rank, beacon, ledger_, now_us);
   const auto& peers = peers_.all();
   const FleetPeer& peer = peers[*now_rank];
   const std::size_t leader = succession_.leader();
   const bool relays = peer.hears == leader && leader < peers.size() && !peers[leader].heard;
-  if ((*now_rank == leader && peer.leads) || relays) {
+  const bool has_table = beacon.epoch != 0;  // a boat that has restarted does not know the plan
+  if ((*now_rank == leader && has_table) || relays) {
     place_ = {beacon.plan_id, beacon.plan_item};
+    place_told_ = true;
   }
 }
 
@@ -186,14 +188,16 @@ void Fleet::begin(const Configuration::Formation& own, core::State state, std::i
   peers_.begin(table, before, now_us);
   by_parameters_ = own;
   const bool obeyed = !std::exchange(by_hand_, false) && before.rank_of(system_).has_value();
-  // Without a slot in the table a follower must not sail to the one of its parameters.
-  if (obeyed && !table.rank_of(system_) && core::follows(state)) stops_ = true;
+  // Without a slot in the table a follower must not sail to the one of its parameters, and no
+  // operator has ordered a boat that took over to sail alone.
+  const bool sails_by_table = core::follows(state) || succession_.leads_by_rule();
+  if (obeyed && !table.rank_of(system_) && sails_by_table) stops_ = true;
   if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
     // Its former leader may be its follower now.
     attachment_ = is_of(table, own.leader) ? std::optional(Attachment{}) : std::nullopt;
     changed_ = true;
   }
-  succession_.begin(table, before);
+  succession_.begin(table);
   told_epoch_ = table.epoch;
 }
 
@@ -224,7 +228,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
     const std::size_t leader = succession_.leader();
     const bool tells_no_plan = leader < table->count && table->members[leader].only_leads;
     const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_.all());
-    if (tells_no_plan || waits) place_ = {};
+    if (tells_no_plan || waits || report.stopped) place_ = {};
     next = by_hand_ ? std::nullopt : attachment(*rank, now_us);
     if (next && leader < table->count) slot_motion = paths_.motion(*rank, leader, now_us);
   } else {
@@ -314,7 +318,9 @@ void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t n
 }
 
 std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
-  const bool speaks = ledger_.newest().epoch != 0 ? is_of(ledger_.newest(), system_) : asks_;
+  // A leader that the next table leaves out still leads until then.
+  const bool member = is_of(ledger_.newest(), system_) || rank_in(ledger_.current(), system_);
+  const bool speaks = ledger_.newest().epoch != 0 ? member : asks_;
   if (!speaks || now_us < beacon_us_) return std::nullopt;
   asks_ = false;
   const bool waited_for = succession_.lost() && (told_.flags & FleetPeers::kFit) != 0;

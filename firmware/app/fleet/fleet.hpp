@@ -29,8 +29,9 @@ struct FleetPlace {
 struct FleetReport {
   std::uint8_t system = 0;
   core::State state = core::State::kDisarmed;
-  bool fit = false;  ///< could begin LOITER, and keeps its slot
-  FleetPlace place;  ///< of its own plan
+  bool fit = false;      ///< could begin LOITER, and keeps its slot
+  FleetPlace place;      ///< of its own plan
+  bool stopped = false;  ///< disarmed, or in HOLD, by order: the fleet's plan ends with it
 };
 
 /// Inactive without a table; requests one when a beacon mentions one.
@@ -77,6 +78,11 @@ class Fleet {
   /// Plan and item that the last leader reported; none if it sailed no plan, or had paused it.
   const FleetPlace& place() const { return place_; }
 
+  /// The same, once after each report of the leader.
+  std::optional<FleetPlace> take_place() {
+    return std::exchange(place_told_, false) ? std::optional(place_) : std::nullopt;
+  }
+
   /// Messages that are due.
   std::optional<link::FleetBeacon> beacon(std::int64_t now_us);
   std::optional<link::FleetTable> table(std::int64_t now_us);
@@ -120,6 +126,7 @@ class Fleet {
   bool by_hand_ = false;
   bool changed_ = false;
   FleetPlace place_;
+  bool place_told_ = false;
   core::State state_{};  // in the last step
   std::optional<Request> request_;
   FleetPaths paths_;

@@ -55,12 +55,14 @@ bool FleetPeers::hear(std::size_t rank, const link::Received& received, bool onl
   return true;
 }
 
-/// Records the beacon's number; false if a newer one arrived first, on a faster link.
+/// Records the beacon's number; false if a newer one arrived first, on a faster link. A boat that
+/// has restarted begins its numbers anew, without a table.
 bool FleetPeers::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
   const std::uint16_t now_ds = deciseconds(now_us);
   const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
-  if (heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0) return false;
+  const bool overtaken = heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0;
+  if (overtaken && beacon.epoch != 0) return false;
   heard.sequence = beacon.sequence;
   heard.beacon_ds = now_ds;
   return true;

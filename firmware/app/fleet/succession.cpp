@@ -44,13 +44,8 @@ std::size_t told_leader(std::size_t own, std::span<const FleetPeer> peers, bool 
 
 }  // namespace
 
-void Succession::begin(const FleetTable& table, const FleetTable& before) {
-  const std::uint32_t known = under_way_ ? was_fit_ | out_ : 0;
+void Succession::begin(const FleetTable& table) {
   was_fit_ = out_ = 0;
-  for (std::size_t rank = 0; rank < table.count; ++rank) {
-    const auto was = before.rank_of(table.members[rank].system);
-    if (was && (known & bit(*was)) != 0) out_ |= bit(rank);  // until judge() finds it fit
-  }
   followed_.reset();
   leader_ = kNobody;
   stopping_ = false;
@@ -71,14 +66,15 @@ FleetOrder Succession::step(const FleetTable& table, const FleetSelf& self,
   return order(self);
 }
 
-/// Once the fleet is under way, a member that was fit and no longer is has failed.
+/// Once the fleet is under way, a member that is not fit has failed: for good if it was fit under
+/// this table, else until it is.
 void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
   for (std::size_t rank = 0; rank < peers.size(); ++rank) {
     if (rank == own) continue;
     const bool fit = peers[rank].heard && (peers[rank].fit || peers[rank].leads);
     if (fit && (was_fit_ & bit(rank)) == 0) out_ &= ~bit(rank);
     if (fit && peers[rank].epoch != 0) was_fit_ |= bit(rank);
-    if (!fit && under_way_) out_ |= bit(rank) & was_fit_;
+    if (!fit && under_way_) out_ |= bit(rank);
   }
 }
 
@@ -95,12 +91,16 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   const bool newer = has_epoch && peers[other].epoch > self.epoch;
   const bool yields =
       newer || (other < self.rank && !older) || told_leader(self.rank, peers, true) < self.rank;
-  yielding_ = (yielding_ && !self.begun) || (led && yields);
+  by_rule_ = took || (by_rule_ && !self.begun);
+  const bool yields_mode = !can_lead || (yields && (self.ordered || by_rule_));
+  yielding_ = (yielding_ && !self.begun) || (led && yields_mode);
   if (taking_) {
     taking_ = self.fit && !self.alone;
     leads_ = taking_ || self.alone;
   } else {
-    leads_ = goes_on || (self.alone && self.ordered);
+    const bool is_root = table.members[self.rank].leader == 0;
+    const bool none_leads = other == kNobody && told == kNobody;
+    leads_ = goes_on || (self.alone && (self.ordered || (is_root && none_leads)));
   }
   if (other == kNobody && told == kNobody && !led && under_way_ && self.fit &&
       first_fit(table, self.rank, peers)) {
@@ -163,8 +163,8 @@ std::uint64_t Succession::code() const {
   std::uint64_t code = was_fit_;
   code = code << 24U | out_;
   code = code << 5U | leader_;
-  code = code << 6U | followed_.value_or(32);
-  for (const bool flag : {leads_, taking_, yielding_, under_way_, stopping_}) {
+  code = code << 5U | followed_.value_or(kNobody);
+  for (const bool flag : {leads_, taking_, by_rule_, yielding_, under_way_, stopping_}) {
     code = code << 1U | (flag ? 1U : 0U);
   }
   return code;

@@ -48,8 +48,10 @@ enum class FleetOrder : std::uint8_t {
 /// after a member has led it. If a boat has stopped since, or was ordered to follow instead of
 /// leading, the fleet counts as under way for it only when a member leads again. A mode that an
 /// operator sets is never overridden; a leader that its operator steers by MANUAL goes on leading.
-/// A failed member leaves the tree until the next table, or, if it failed before this one, until it
-/// is fit again: its followers attach to its leader. It may still follow.
+/// A leader whose mode an operator has set keeps that mode, unless it is AUTO or GUIDED and a better
+/// leader appears, or the table no longer lets it lead.
+/// A failed member leaves the tree until the next table, or, if it has not been fit under this one,
+/// until it is: its followers attach to its leader. It may still follow.
 ///
 /// A leader that other members hear also counts if this boat does not hear it. The boat then
 /// follows one of them that follows the leader itself. That member must have reported this since
@@ -58,8 +60,8 @@ class Succession {
  public:
   static constexpr std::size_t kNobody = FleetTable::kMax;
 
-  /// A table comes into force in place of `before`.
-  void begin(const FleetTable& table, const FleetTable& before);
+  /// A table comes into force.
+  void begin(const FleetTable& table);
 
   /// One step per tick. `peers`: by rank, this boat's own is not read.
   FleetOrder step(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
@@ -68,6 +70,9 @@ class Succession {
   void stopped() { stopping_ = false; }
 
   bool leads() const { return leads_; }
+
+  /// It leads because another leader failed, not by an operator's order.
+  bool leads_by_rule() const { return leads_ && by_rule_; }
 
   /// Rank of the fleet's leader, possibly this boat's own; kNobody: none is known.
   std::size_t leader() const { return leader_; }
@@ -96,12 +101,13 @@ class Succession {
 
   bool leads_ = false;
   bool taking_ = false;    // takes over, but is not yet in the leader's mode
+  bool by_rule_ = false;   // its mode without a leader was begun by this class
   bool yielding_ = false;  // yields, but is not yet in FORMATION
   bool under_way_ = false;
   bool stopping_ = false;
   std::size_t leader_ = kNobody;
   std::optional<std::size_t> followed_;
-  // Bit masks by rank. out_: has left the tree; without was_fit_, before the table came.
+  // Bit masks by rank. out_: has left the tree; without was_fit_, until it is fit.
   std::uint32_t was_fit_ = 0, out_ = 0;
 };
 

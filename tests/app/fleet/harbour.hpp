@@ -24,6 +24,7 @@ struct Boat {
   float most_mps = 1.5F;
   bool on = true;
   bool may_follow = true;    ///< FORMATION is granted
+  bool stopped = false;      ///< by an operator, not by a failure
   std::uint8_t hears = 0;    ///< only that system; 0: all
   std::uint8_t deaf_to = 0;  ///< does not hear that system
   FleetPlace place{77, 3};
@@ -77,7 +78,7 @@ struct Harbour {
           const FleetOutlook outlook{.at = {{{0.6F, 0.0F, 0.0F}}}, .most_mps = boat.most_mps};
           boat.fleet.give_places(outlook, clock_us);
         }
-        const FleetReport report{boat.system, boat.state, true, boat.place};
+        const FleetReport report{boat.system, boat.state, true, boat.place, boat.stopped};
         boat.order = boat.fleet.step(report, boat.own, kSecond_us, clock_us);
         const bool planned = boat.fleet.place().plan_id != 0;
         if (boat.order == FleetOrder::kLead) {

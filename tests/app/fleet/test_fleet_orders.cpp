@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <initializer_list>
+#include <utility>
 
 #include "app/fleet/harbour.hpp"
 
@@ -97,12 +98,18 @@ TEST_CASE("a new slot for the leading boat does not end its lead") {
   CHECK(harbour.leader_of(1) == 1);
 }
 
-/// Boat 2 has taken over. Boat 1 is back, so boat 2 must yield to it, but cannot follow it yet.
-Harbour yielding() {
+/// Boat 1 is silent, and boat 2 has taken over.
+Harbour taken_over() {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(3);
   REQUIRE(harbour.boats[1].state == State::kAuto);
+  return harbour;
+}
+
+/// Boat 2 has taken over. Boat 1 is back, so boat 2 must yield to it, but cannot follow it yet.
+Harbour yielding() {
+  Harbour harbour = taken_over();
   harbour.boats[1].may_follow = false;
   harbour.boats[0].on = true;
   harbour.sail(0.5);
@@ -121,6 +128,141 @@ TEST_CASE("a boat that yields, but cannot follow yet, keeps the mode set by its 
     CHECK(harbour.boats[1].state == state);
     CHECK(harbour.boats[0].state == State::kAuto);
   }
+}
+
+TEST_CASE(
+    "a boat that leads in its operator's RTL or LOITER keeps it when a better leader appears") {
+  for (const State state : {State::kReturn, State::kLoiter}) {
+    CAPTURE(static_cast<int>(state));
+    Harbour harbour = taken_over();
+    harbour.boats[1].state = state;
+    harbour.sail(2);
+    harbour.boats[0].on = true;
+    harbour.sail(5);
+    CHECK(harbour.boats[1].state == state);
+    CHECK(harbour.leader_of(3) == 1);
+  }
+}
+
+TEST_CASE("a boat that took over and waits yields to a better leader") {
+  Harbour harbour = under_way();
+  harbour.boats[0].place = {0, 3};
+  harbour.sail(0.5);
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  REQUIRE(harbour.boats[1].state == State::kLoiter);
+  harbour.boats[0].on = true;
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == State::kFormation);
+}
+
+TEST_CASE("an operator's HOLD or DISARM of the leader ends the plan, a failure does not") {
+  for (const State state : {State::kHold, State::kDisarmed}) {
+    for (const bool stopped : {true, false}) {
+      CAPTURE(static_cast<int>(state));
+      CAPTURE(stopped);
+      Harbour harbour = under_way();
+      harbour.boats[0].state = state;
+      harbour.boats[0].stopped = stopped;
+      harbour.sail(3);
+      CHECK(harbour.boats[1].state == (stopped ? State::kLoiter : State::kAuto));
+    }
+  }
+}
+
+TEST_CASE("a root in LOITER or RTL leads: others take over from it, and none leads beside it") {
+  for (const State state : {State::kLoiter, State::kReturn}) {
+    CAPTURE(static_cast<int>(state));
+    Harbour harbour;
+    harbour.boats[0].state = state;
+    harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+    harbour.sail(5);
+    harbour.boats[3].state = State::kGuided;
+    harbour.sail(5);
+    CHECK(harbour.leader_of(1) == 1);
+    harbour.boats[0].on = false;
+    harbour.boats[3].state = State::kHold;
+    harbour.sail(3);
+    CHECK(harbour.boats[1].state == State::kLoiter);
+  }
+}
+
+TEST_CASE("a root in LOITER leaves the fleet to the boat that already leads it") {
+  Harbour harbour = under_way();
+  harbour.boats[0].state = State::kHold;  // a failure
+  harbour.sail(3);
+  harbour.boats[0].state = State::kLoiter;
+  harbour.sail(5);
+  CHECK(harbour.boats[1].state == State::kAuto);
+  CHECK(harbour.leader_of(2) == 2);
+}
+
+TEST_CASE("a leader that a new table no longer lets lead follows the next one") {
+  Harbour harbour = under_way();
+  FleetTable next = table_of_four(2);
+  std::swap(next.members[0], next.members[1]);
+  next.members[0].leader = 0;
+  next.members[1].leader = 2;
+  next.members[1].can_lead = false;
+  next = table_of(message_of(next, 0));
+  harbour.hear(0, message_of(next, 0), kOperator);
+  harbour.sail(5);
+  CHECK(harbour.boats[0].state == State::kFormation);
+  CHECK(harbour.boats[1].state == State::kAuto);
+  CHECK(harbour.leader_of(0) == 2);
+}
+
+/// The table without boat 2, which boats 3 and 4 follow boat 1 in.
+FleetTable without_boat_2(std::uint16_t epoch) {
+  FleetTable table = table_of_four(epoch);
+  table.members[1] = table.members[2];
+  table.members[2] = table.members[3];
+  table.members[1].leader = table.members[2].leader = 1;
+  table.count = 3;
+  return table_of(message_of(table, 0));
+}
+
+TEST_CASE(
+    "a boat that took over stops when a table leaves it out; one that its operator sent goes on") {
+  for (const bool sent : {false, true}) {
+    CAPTURE(sent);
+    Harbour harbour = sent ? under_way() : taken_over();
+    if (sent) harbour.boats[1].state = State::kGuided;
+    harbour.sail(1);
+    harbour.hear(1, message_of(without_boat_2(2), 0), kOperator);
+    harbour.sail(1);
+    CHECK(harbour.boats[1].state == (sent ? State::kGuided : State::kHold));
+  }
+}
+
+TEST_CASE("a leader that the next table leaves out is replaced at once if it stops before") {
+  Harbour harbour = taken_over();
+  harbour.hear(1, message_of(without_boat_2(2), 10'000), kOperator);
+  harbour.sail(2);
+  harbour.boats[1].state = State::kHold;
+  harbour.sail(1);
+  CHECK(harbour.boats[2].state == State::kAuto);
+}
+
+TEST_CASE("a leader that restarts is replaced within a second, not believed for four") {
+  Harbour harbour = under_way();
+  harbour.sail(20);  // its beacons have numbers by now
+  harbour.boats[0].fleet = {};
+  harbour.boats[0].state = State::kDisarmed;
+  harbour.boats[0].stopped = true;
+  harbour.sail(1.5);
+  CHECK(harbour.boats[1].state == State::kAuto);  // a restart is a failure, and no operator's order
+}
+
+TEST_CASE("a boat that was never fit leaves the tree of a fleet under way, until it is") {
+  Harbour harbour;
+  harbour.boats[1].state = State::kDisarmed;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  CHECK(harbour.leader_of(2) == 1);
+  harbour.boats[1].state = State::kFormation;
+  harbour.sail(2);
+  CHECK(harbour.leader_of(2) == 2);
 }
 
 TEST_CASE("a boat that yields follows as soon as it can") {

@@ -21,7 +21,7 @@ struct Fleet {
 
   explicit Fleet(const FleetTable& of) : table(of) {
     for (std::size_t i = 0; i < table.count; ++i) {
-      rules[i].begin(table, {});
+      rules[i].begin(table);
       alive[i] = true;
     }
     alone[0] = true;  // the first one sails the plan

@@ -130,7 +130,7 @@ void take(Node& n, std::size_t who, std::uint16_t epoch, Bug bug) {
   Vessel& v = n.boats[who];
   const bool newer = is_newer(epoch, 0, FleetTable{.epoch = v.epoch});
   if (v.mode == Mode::kCrashed || (bug != Bug::kTakesOldTables ? !newer : epoch == v.epoch)) return;
-  v.rule.begin(table_at(epoch), table_at(v.epoch));
+  v.rule.begin(table_at(epoch));
   v.epoch = epoch;
   settle(v, who, bug);
 }
@@ -146,7 +146,7 @@ Node start(const Limits& limits) {
     v.epoch = limits.first;
     v.reports = limits.reports;
     for (std::size_t j = 0; j < boats; ++j) v.peers[j] = {true, j != 0, j == 0, v.epoch};
-    v.rule.begin(table_at(v.epoch), {});
+    v.rule.begin(table_at(v.epoch));
     // Boat 1 was put into AUTO by its operator.
     v.rule.step(table_at(v.epoch), {i, v.epoch, i != 0, true, i == 0, i == 0, false}, v.peers);
     v.said = {word_of(v, i), word_of(v, i)};

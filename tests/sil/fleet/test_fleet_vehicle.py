@@ -180,6 +180,22 @@ def test_disarming_stops_every_boat_and_cancels_pending_commands(
     assert served.ground.of("HEARTBEAT")[-1].base_mode & 128 == 0
 
 
+def test_a_stop_repeated_while_it_is_carried_out_cancels_what_was_asked_between(
+    served: Served,
+) -> None:
+    served.waters.deaf.add(4)
+    ground, now_s = served.ground, served.station.now_s()
+    ground.later = [
+        (now_s, lambda: ground.mode(HOLD)),  # takes six seconds, as boat 4 does not answer
+        (now_s + 1.0, lambda: ground.mode(AUTO)),
+        (now_s + 2.0, lambda: ground.mode(HOLD)),
+        (now_s + 4.0, served.waters.deaf.clear),
+    ]
+    served.run(14.0)
+    assert list(served.states) == ["HOLD"] * 4
+    assert CANCELLED in served.ground.answers(MODE)
+
+
 def test_a_boat_that_does_not_obey_is_named(served: Served) -> None:
     served.waters.deaf.add(3)
     served.ground.mode(HOLD)
