@@ -7,7 +7,6 @@ import struct
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
@@ -29,7 +28,7 @@ class Troubled(Twins):
 
     def __init__(self, clock: tuple[int, float] = (0, 0.0), **radio: float) -> None:
         super().__init__()
-        self.commands: NDArray[np.float64] = np.zeros((2, 2))
+        self.commands = np.zeros((2, 2))
         self.leader(unit=LOCAL, clock=clock)
         for i in (1, 2):
             own = {"MAV_SYSID": i, "FORM_LEADER": 100 if i == 1 else 1, "FORM_OFS_N": -3.0}
@@ -71,7 +70,12 @@ class Troubled(Twins):
 
 def records_of(fleet: Any) -> list[Record]:
     """The records of run 0 since the last call."""
-    data, at, records = fleet.take_records(0), 0, []
+    return parsed(fleet.take_records(0))
+
+
+def parsed(data: bytes) -> list[Record]:
+    """The records in what `take_records` returned."""
+    at, records = 0, []
     while at < len(data):
         t_us, port, length = _HEAD.unpack_from(data, at)
         at += _HEAD.size
