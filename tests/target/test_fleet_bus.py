@@ -10,7 +10,7 @@ import pytest
 
 from sil.wire.dronecan import ARMING_STATUS, GET_NODE_INFO, RAW_COMMAND, ArmingStatus, RawCommand
 from sil.wire.dronecan_transfer import DataType, FrameId, Kind, Publisher, split
-from tests.target.troubled_fleet import frames, parsed
+from tests.target.troubled_fleet import frames, parsed, reports
 from tests.target.twin_fleets import H_US, alone
 
 OTHER = 99
@@ -48,7 +48,7 @@ def test_another_controller_has_the_same_effect_in_a_fleet_as_on_one_boat() -> N
             cmd = tuple(rng.choice((0, -8192, 8191, 77)) for _ in range(count))
             twins.on_bus(raw.frames(RawCommand(cmd).encode()))
         twins.tick()
-    twins.compare()
+    assert {esc.power_pct for esc in reports(twins)} == {0, 1, 100}
 
 
 def flipped(rng: random.Random, data: bytes) -> bytes:
@@ -89,4 +89,6 @@ def test_damaged_frames_have_the_same_effect_in_a_fleet_as_on_one_boat(seed: int
         twins.tick()
         if rng.random() < 0.02:
             twins.t_us += rng.choice((50, 300, 3000)) * H_US
+    counters = twins.both("snapshot", twins.boats[0])["counters"]
+    assert min(counters["can_received"], counters["can_bad_frame"]) > 300
     twins.compare()

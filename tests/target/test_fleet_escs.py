@@ -7,21 +7,12 @@ from typing import Any
 
 import pytest
 
-from sil.wire.dronecan import ESC_STATUS, RAW_COMMAND, EscStatus, RawCommand
-from sil.wire.dronecan_transfer import Publisher, Receiver, message_subject
-from tests.target.troubled_fleet import frames, parsed
+from sil.wire.dronecan import RAW_COMMAND, RawCommand
+from sil.wire.dronecan_transfer import Publisher
+from tests.target.troubled_fleet import reports
 from tests.target.twin_fleets import H_US, Twins, alone, in_formation
 
 OTHER = 99
-
-
-def reports(twins: Twins) -> list[EscStatus]:
-    """Compare; what the ESCs of the first boat have reported since the last comparison."""
-    receiver = Receiver({message_subject(ESC_STATUS): ESC_STATUS})
-    agent = twins.numbers[twins.boats[0]]
-    on_bus = frames(parsed(twins.compare()), agent, to_boat=True)
-    payloads = [receiver.on_frame(can_id, data, 0) for can_id, data in on_bus]
-    return [EscStatus.decode(payload) for payload in payloads if payload is not None]
 
 
 @pytest.mark.parametrize("indices", [(0, 1), (7, 2), (19, 12), (3, 4)])

@@ -10,6 +10,8 @@ import numpy as np
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
+from sil.wire.dronecan import ESC_STATUS, EscStatus
+from sil.wire.dronecan_transfer import Receiver, message_subject
 from tests.target.twin_fleets import H_US, LOCAL, Twins
 
 _HEAD = struct.Struct("<QHH")
@@ -99,6 +101,15 @@ def frames(records: list[Record], agent: int, *, to_boat: bool) -> list[tuple[in
     channel = CAN_IN if to_boat else CAN_OUT
     found = [r.data for r in records if r[1:3] == (agent, channel)]
     return [(int.from_bytes(data[:4], "little"), data[4:]) for data in found]
+
+
+def reports(twins: Twins) -> list[EscStatus]:
+    """Compare; what the ESCs of the first boat have reported since the last comparison."""
+    receiver = Receiver({message_subject(ESC_STATUS): ESC_STATUS})
+    agent = twins.numbers[twins.boats[0]]
+    on_bus = frames(parsed(twins.compare()), agent, to_boat=True)
+    payloads = [receiver.on_frame(can_id, data, 0) for can_id, data in on_bus]
+    return [EscStatus.decode(payload) for payload in payloads if payload is not None]
 
 
 def messages(chunks: list[tuple[int, bytes]], kind: str) -> list[Any]:
