@@ -72,14 +72,14 @@ class TwoUnits(NavigationUnit):
 
 
 def test_a_leader_whose_local_position_stops_and_comes_back_is_followed_without_a_jolt() -> None:
-    both = ["duration_s=60", "link.delay_s=0.1", "clocks.offset_s=1000"]
+    both = ["duration_s=45", "link.delay_s=0.1", "clocks.offset_s=1000"]
     worlds = [ObjectWorld(scenario.load("diamond", both)) for _ in range(2)]
     leader = worlds[1].leader
     settings = scenario.load("leader_follow_target").leader_unit()
     target = NavigationUnit(
         VIRTUAL_LEADER_SYSTEM, 1, vehicle_type=0, origin=leader._unit._origin, settings=settings
     )
-    leader._unit = TwoUnits(leader._unit, target, range(4000, 5000))
+    leader._unit = TwoUnits(leader._unit, target, range(3500, 4000))
     plain, changed = (world.run() for world in worlds)
     assert worlds[0].records != worlds[1].records
     assert changed.states[0].keys() == {"FORMATION"}

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import random
-import struct
 from typing import Any
 
 import pytest
 
-from sil.lockstep.recording import CAN_IN
 from sil.wire.dronecan import ARMING_STATUS, GET_NODE_INFO, RAW_COMMAND, ArmingStatus, RawCommand
 from sil.wire.dronecan_transfer import DataType, FrameId, Kind, Publisher, split
+from tests.target.troubled_fleet import frames, parsed, reports
 from tests.target.twin_fleets import H_US, alone
 
 OTHER = 99
@@ -20,17 +19,6 @@ OTHER = 99
 def request(node: int, transfer_id: int, payload: bytes = b"", priority: int = 24) -> Any:
     can_id = FrameId(Kind.REQUEST, priority, GET_NODE_INFO.type_id, OTHER, node).pack()
     return [(can_id, data) for data in split(payload, transfer_id, GET_NODE_INFO.crc_seed)]
-
-
-def frames_on_bus(records: bytes) -> list[int]:
-    """Identifiers of the frames that a boat received on its bus."""
-    at, found = 0, []
-    while at < len(records):
-        _, port, length = struct.unpack_from("<QHH", records, at)
-        at += 12 + length
-        if port & 0xFF == CAN_IN:
-            found.append(int.from_bytes(records[at - length : at - length + 4], "little"))
-    return found
 
 
 @pytest.mark.parametrize("node", [20, 21, 22, 23])
@@ -42,7 +30,8 @@ def test_a_request_for_an_escs_name_is_answered(node: int) -> None:
     twins.on_bus(request(node, 6, bytes(range(100)), priority=3))
     twins.on_bus(request(node, 7, bytes(600)))
     twins.tick()
-    kinds = [FrameId.unpack(can_id).kind for can_id in frames_on_bus(twins.compare())]
+    on_bus = frames(parsed(twins.compare()), 0, to_boat=True)
+    kinds = [FrameId.unpack(can_id).kind for can_id, _ in on_bus]
     # Two requests are whole; each answer has 61 bytes and a checksum, nine frames.
     assert kinds.count(Kind.RESPONSE) == (18 if node in (21, 22) else 0)
 
@@ -59,7 +48,7 @@ def test_another_controller_has_the_same_effect_in_a_fleet_as_on_one_boat() -> N
             cmd = tuple(rng.choice((0, -8192, 8191, 77)) for _ in range(count))
             twins.on_bus(raw.frames(RawCommand(cmd).encode()))
         twins.tick()
-    twins.compare()
+    assert {esc.power_pct for esc in reports(twins)} == {0, 1, 100}
 
 
 def flipped(rng: random.Random, data: bytes) -> bytes:
@@ -100,4 +89,6 @@ def test_damaged_frames_have_the_same_effect_in_a_fleet_as_on_one_boat(seed: int
         twins.tick()
         if rng.random() < 0.02:
             twins.t_us += rng.choice((50, 300, 3000)) * H_US
+    counters = twins.both("snapshot", twins.boats[0])["counters"]
+    assert min(counters["can_received"], counters["can_bad_frame"]) > 300
     twins.compare()

@@ -98,6 +98,8 @@ def test_flipped_bits_have_the_same_effect_in_a_fleet_as_on_single_boats(
     for _ in range(600):
         twins.both("corrupt", rng.choice(links), rng.randrange(1 << 15))
         twins.tick()
+    for boat in twins.boats:
+        assert twins.both("snapshot", boat)["counters"]["mavlink_bad_checksum"] > 20
     twins.compare()
 
 

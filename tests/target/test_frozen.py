@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -22,10 +23,10 @@ def sailing(own_period_us: int = 50_000) -> Afloat:
     return sea
 
 
-def freeze(sea: Sea, who: str) -> None:
-    """Repeat the sender's state from now on, with new time stamps."""
+def freeze(sea: Sea, who: str, **changed: float) -> None:
+    """Repeat the sender's state, so changed, from now on, with new time stamps."""
     agent = getattr(sea, who)
-    last = agent.measured(agent.next_us - agent.period_us)
+    last = replace(agent.measured(agent.next_us - agent.period_us), **changed)
     agent.measured = lambda _now_us: last
 
 
@@ -62,18 +63,21 @@ def test_a_leader_that_sticks_is_not_followed_after_a_second() -> None:
     seconds_until(sea, "leader_live", True, 0.5)
 
 
-def test_a_leader_at_rest_is_followed_for_a_minute() -> None:
-    sea = Afloat({}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), Course(0.0, 0.0, 0.3))
+@pytest.mark.parametrize("leader", [Course(), s_curve], ids=["from the start", "after sailing"])
+def test_a_leader_at_rest_is_followed_for_as_long_as_it_rests(leader: Any) -> None:
+    """15 s: three times as long as the longest repetition that is ever allowed."""
+    sea = Afloat({}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), leader)
     sea.enter_formation()
-    freeze(sea, "leader")
-    sea.run(60.0)
+    sea.run(4.0)
+    freeze(sea, "leader", u=0.0, v=0.0, r=0.0)
+    sea.run(15.0)
     assert sea.state == "FORMATION" and sea.condition("leader_live")
 
 
 def test_a_boat_that_lies_still_with_exact_instruments_may_be_armed() -> None:
     sea = Sea(own=Course(1.0, 2.0, 0.3))
     freeze(sea, "own")
-    sea.run(60.0)
+    sea.run(15.0)
     assert sea.condition("own_live")
     sea.enter_hold()
 

@@ -51,16 +51,6 @@ def test_a_mode_that_does_not_exist_is_denied(sea: Sea, params: tuple[float, ...
     assert sea.state == "HOLD"
 
 
-def test_manual_is_refused_without_sticks_with_a_reason(sea: Sea) -> None:
-    sea.settle()
-    sea.arm()
-    sea.run(1.0)
-    tick = sea.mode(MANUAL)
-    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert [m.text for m in tick.named("STATUSTEXT") if m.text.startswith("Refused: ")]
-    assert sea.state == "HOLD"
-
-
 REST_NAN = (math.nan,) * 4  # MAVSDK's unused parameters
 OFFBOARD = "Refused: mode 6 of a PX4 client is OFFBOARD"
 SUB_MODE = "Refused: use mode 0, 4, 5, 6, 10, 11 or 15"

@@ -237,15 +237,7 @@ def test_a_propeller_without_direction_is_refused(name: str) -> None:
 @pytest.mark.parametrize(
     "value", ["2", b"2", None, [2], {}, object()], ids=lambda v: type(v).__name__
 )
-def test_a_value_of_another_type_is_refused(value: object) -> None:
-    with pytest.raises((ValueError, TypeError)) as refused:
-        flotilla.Boat({"MAV_SYSID": value})
-    if isinstance(refused.value, ValueError):
-        assert "MAV_SYSID" in str(refused.value)
-
-
-@pytest.mark.parametrize("value", ["2", b"2", None, [2]], ids=lambda v: type(v).__name__)
-def test_a_refused_type_names_its_parameter(value: object) -> None:
+def test_a_value_of_another_type_is_refused_by_name(value: object) -> None:
     assert "MAV_SYSID" in refusal({"MAV_SYSID": value})
 
 
@@ -257,7 +249,7 @@ def test_an_unknown_name_is_refused_by_name(name: str) -> None:
 
 
 def test_a_key_that_is_no_text_is_refused() -> None:
-    with pytest.raises((ValueError, TypeError)):
+    with pytest.raises(TypeError, match="name must be a string"):
         flotilla.Boat({3: 1.0})
 
 
@@ -304,13 +296,13 @@ def test_parameters_is_a_copy_and_does_not_change_the_boat() -> None:
 
 
 @pytest.mark.parametrize("links", [1, 2, 3, 4])
-def test_one_to_four_links_are_allowed(links: int) -> None:
-    flotilla.Boat({}, links)
+def test_a_boat_sends_on_each_of_its_one_to_four_links(links: int) -> None:
+    assert {link for link, _ in flotilla.Boat({}, links).tick(0).mavlink} == set(range(links))
 
 
 @pytest.mark.parametrize("links", [-1, 0, 5, 1000, 2**31 - 1])
 def test_another_number_of_links_is_refused(links: int) -> None:
-    with pytest.raises((ValueError, TypeError)):
+    with pytest.raises(ValueError, match="links: a whole number from 1 to 4"):
         flotilla.Boat({}, links)
 
 
@@ -322,5 +314,5 @@ def test_an_unknown_scalar_is_refused(scalar: str) -> None:
 
 @pytest.mark.parametrize("link", [-1, 1, 4, 255, 2**31 - 1])
 def test_bytes_on_a_link_that_does_not_exist_are_refused(link: int) -> None:
-    with pytest.raises((ValueError, IndexError, TypeError)):
+    with pytest.raises(ValueError, match="link: from 0 to 0"):
         flotilla.Boat({}, 1).on_mavlink(b"", 0, link)

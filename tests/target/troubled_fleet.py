@@ -7,10 +7,11 @@ import struct
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
+from sil.wire.dronecan import ESC_STATUS, EscStatus
+from sil.wire.dronecan_transfer import Receiver, message_subject
 from tests.target.twin_fleets import H_US, LOCAL, Twins
 
 _HEAD = struct.Struct("<QHH")
@@ -29,7 +30,7 @@ class Troubled(Twins):
 
     def __init__(self, clock: tuple[int, float] = (0, 0.0), **radio: float) -> None:
         super().__init__()
-        self.commands: NDArray[np.float64] = np.zeros((2, 2))
+        self.commands = np.zeros((2, 2))
         self.leader(unit=LOCAL, clock=clock)
         for i in (1, 2):
             own = {"MAV_SYSID": i, "FORM_LEADER": 100 if i == 1 else 1, "FORM_OFS_N": -3.0}
@@ -71,7 +72,12 @@ class Troubled(Twins):
 
 def records_of(fleet: Any) -> list[Record]:
     """The records of run 0 since the last call."""
-    data, at, records = fleet.take_records(0), 0, []
+    return parsed(fleet.take_records(0))
+
+
+def parsed(data: bytes) -> list[Record]:
+    """The records in what `take_records` returned."""
+    at, records = 0, []
     while at < len(data):
         t_us, port, length = _HEAD.unpack_from(data, at)
         at += _HEAD.size
@@ -95,6 +101,15 @@ def frames(records: list[Record], agent: int, *, to_boat: bool) -> list[tuple[in
     channel = CAN_IN if to_boat else CAN_OUT
     found = [r.data for r in records if r[1:3] == (agent, channel)]
     return [(int.from_bytes(data[:4], "little"), data[4:]) for data in found]
+
+
+def reports(twins: Twins) -> list[EscStatus]:
+    """Compare; what the ESCs of the first boat have reported since the last comparison."""
+    receiver = Receiver({message_subject(ESC_STATUS): ESC_STATUS})
+    agent = twins.numbers[twins.boats[0]]
+    on_bus = frames(parsed(twins.compare()), agent, to_boat=True)
+    payloads = [receiver.on_frame(can_id, data, 0) for can_id, data in on_bus]
+    return [EscStatus.decode(payload) for payload in payloads if payload is not None]
 
 
 def messages(chunks: list[tuple[int, bytes]], kind: str) -> list[Any]:

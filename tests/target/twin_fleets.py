@@ -37,6 +37,7 @@ class Twins:
         self._runs: Counter[int] = Counter()
         self.eta: NDArray[np.float64] = np.zeros((0, 3))
         self.nu: NDArray[np.float64] = np.zeros((0, 3))
+        self.commands: NDArray[np.float64] = np.zeros((0, 2))  # of the last tick
 
     def both(self, method: str, *arguments: Any, **named: Any) -> Any:
         """Call both; their equal result."""
@@ -109,7 +110,8 @@ class Twins:
             assert np.array_equal(self.fleet.states, self.reference.states), self.t_us
             for agent in range(len(self.eta)):
                 self.both("sent", agent)
-            self._move(commands[0])
+            self.commands = commands[0]
+            self._move(self.commands)
             self.t_us += H_US
 
     def _sensed(self) -> tuple[Any, ...]:

@@ -258,8 +258,9 @@ def test_at_least_twenty_faults_keep_a_boat_from_sailing() -> None:
 
 
 def test_a_clock_of_1970_and_a_full_disk_are_found(tmp_path: Path) -> None:
-    found = list(machine(Computer(tmp_path), [], now_s=3600.0))
-    assert "1970-01-01 01:00" in found[0].what and "battery" in found[0].remedy
+    (clock,) = machine(Computer(tmp_path), [], now_s=3600.0)
+    assert (clock.level, clock.where) == (BAD, "clock")
+    assert "1970-01-01 01:00" in clock.what and "battery" in clock.remedy
     if os.geteuid() != 0:
         pytest.skip("SKIPPED: a small disk needs root")
     small = tmp_path / "var/log/flotilla"
@@ -301,7 +302,8 @@ def test_the_verdict_comes_first_and_is_the_exit_status(patient: Patient) -> Non
     report = json.loads(done.stdout)
     assert done.returncode == 1 and report["ready"] is False
     assert report["verdict"].startswith("not ready: one thing keeps this boat from sailing")
-    assert {"level", "where", "what", "remedy"} == set(report["findings"][0])
+    assert [f["where"] for f in report["findings"] if f["level"] == "bad"] == [f"mcast:{BUS}"]
+    assert all(f.keys() == {"level", "where", "what", "remedy"} for f in report["findings"])
 
 
 def test_the_collection_has_logs_and_findings_and_no_key(patient: Patient) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+import scipy  # signal is imported on first use: it takes half a second of each collection
 
 from sil.identify.equations import Point, Problem, _perturbed, places_of
 from sil.identify.hull_terms import GUSTS, INDEX, LOCAL
@@ -20,7 +20,7 @@ from tests.sil.identify.sailed import levels, sail
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
 def test_samples_whose_neighbours_correlate_count_as_fewer(rho: float) -> None:
     normals = np.random.default_rng(1).normal(size=(1000, 300))
-    error = lfilter([1.0], [1.0, -rho], normals, axis=0)[500:600]
+    error = scipy.signal.lfilter([1.0], [1.0, -rho], normals, axis=0)[500:600]
     assert _alike(error) == pytest.approx((1.0 + rho) / (1.0 - rho), rel=0.1)
 
 

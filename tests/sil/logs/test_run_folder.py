@@ -5,6 +5,7 @@ import json
 import math
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,12 +13,14 @@ import pytest
 from sil.cli.main import main
 from sil.cli.main import main as flotilla
 from sil.logs.run_folder import EPOCH_S, NAME
+from sil.plant.hull import Array
 from sil.scenario.wiring import ORIGIN
 from sil.wire.geodesy import LocalFrame
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of, schemas_of
 from tests.sil.mistakes import assert_told_in_one_line
 from tests.turns import some
 
+Topics = dict[str, list[tuple[int, Any]]]
 SECONDS = 12.0
 SAILED = ["run", "turning", "--set", f"duration_s={SECONDS}"]
 LOST = ["--set", "fault=[{kind='radio_silent', agent=0, at_s=4.0, for_s=3.0}]"]
@@ -29,6 +32,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("runs") / "run"
     assert main([*SAILED, *LOST, "--mcap", "--out", str(out)]) == 0
     return out
+
+
+@pytest.fixture(scope="module")
+def trace(folder: Path) -> dict[str, Array]:
+    return dict(np.load(folder / "trace.npz"))
+
+
+@pytest.fixture(scope="module")
+def topics(folder: Path) -> Topics:
+    return messages_of(folder / NAME)
 
 
 def seconds(t_ns: int) -> float:
@@ -43,8 +56,9 @@ def test_every_boat_has_its_topics_in_foxgloves_schemas_and_ours(folder: Path) -
     assert topics == boats | {f"/leader100/{kind}" for kind in ("fix", "scene", "state")} | {"/tf"}
 
 
-def test_states_errors_and_thrusts_are_those_of_the_trace(folder: Path) -> None:
-    trace, topics = np.load(folder / "trace.npz"), messages_of(folder / NAME)
+def test_states_errors_and_thrusts_are_those_of_the_trace(
+    trace: dict[str, Array], topics: Topics
+) -> None:
     for i in (1, 2, 3, 4):
         states, laws = topics[f"/boat{i}/state"], topics[f"/boat{i}/law"]
         assert len(states) == len(laws) == 121
@@ -59,8 +73,9 @@ def test_states_errors_and_thrusts_are_those_of_the_trace(folder: Path) -> None:
             assert (law.thrust_port_N, law.thrust_stbd_N) == tuple(trace["thrust"][k, i - 1])
 
 
-def test_fixes_are_the_poses_on_the_globe_to_a_centimetre(folder: Path) -> None:
-    trace, topics = np.load(folder / "trace.npz"), messages_of(folder / NAME)
+def test_fixes_are_the_poses_on_the_globe_to_a_centimetre(
+    trace: dict[str, Array], topics: Topics
+) -> None:
     world = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
     for agent, name in enumerate(("leader100", "boat1", "boat2", "boat3", "boat4")):
         for t_ns, fix in some(topics[f"/{name}/fix"]):
@@ -70,8 +85,9 @@ def test_fixes_are_the_poses_on_the_globe_to_a_centimetre(folder: Path) -> None:
             assert (fix.frame_id, fix.timestamp.ToNanoseconds()) == (name, t_ns)
 
 
-def test_transforms_have_east_north_up_and_the_bow_ahead(folder: Path) -> None:
-    trace, topics = np.load(folder / "trace.npz"), messages_of(folder / NAME)
+def test_transforms_have_east_north_up_and_the_bow_ahead(
+    trace: dict[str, Array], topics: Topics
+) -> None:
     slots = 0
     for t_ns, message in topics["/tf"]:
         (transform,) = message.transforms
@@ -92,8 +108,8 @@ def test_transforms_have_east_north_up_and_the_bow_ahead(folder: Path) -> None:
     assert slots == 121
 
 
-def test_the_log_has_the_loss_and_the_return_of_a_leader(folder: Path) -> None:
-    lines = messages_of(folder / NAME)["/boat1/log"]
+def test_the_log_has_the_loss_and_the_return_of_a_leader(folder: Path, topics: Topics) -> None:
+    lines = topics["/boat1/log"]
     assert {line.name for _, line in lines} == {"boat1"}
     changes = {line.message: seconds(t_ns) for t_ns, line in lines if "→" in line.message}
     assert changes["HOLD → FORMATION"] == pytest.approx(0.0, abs=0.02)
@@ -105,8 +121,7 @@ def test_the_log_has_the_loss_and_the_return_of_a_leader(folder: Path) -> None:
     assert ended - changes["FORMATION → COAST"] == pytest.approx(spent["COAST"], abs=0.02)
 
 
-def test_escs_and_ages_are_those_sent_on_the_wires(folder: Path) -> None:
-    topics = messages_of(folder / NAME)
+def test_escs_and_ages_are_those_sent_on_the_wires(topics: Topics) -> None:
     for index in (0, 1):
         escs = topics[f"/boat2/esc/{index}"]
         assert len(escs) >= 25 * SECONDS
@@ -129,13 +144,12 @@ def test_without_a_recording_only_topics_of_the_truth_are_written(
 
 
 def test_converting_the_folder_again_gives_as_many_messages_of_each_topic(
-    folder: Path, tmp_path: Path
+    folder: Path, topics: Topics, tmp_path: Path
 ) -> None:
     out = tmp_path / "again.mcap"
     assert flotilla(["convert", str(folder), "--out", str(out)]) == 0
-    again, before = messages_of(out), messages_of(folder / NAME)
-    assert {topic: len(said) for topic, said in again.items()} == {
-        topic: len(said) for topic, said in before.items()
+    assert {topic: len(said) for topic, said in messages_of(out).items()} == {
+        topic: len(said) for topic, said in topics.items()
     }
 
 

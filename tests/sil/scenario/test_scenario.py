@@ -9,12 +9,12 @@ import flotilla
 import numpy as np
 import pytest
 
+from sil.lockstep.world import Run, sail
 from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.scenario.agents import parameters_of
-from sil.scenario.fleet_bodies import bodies_of
 from sil.scenario.formation import Formation
-from sil.scenario.law import Law
+from sil.scenario.law import LAWS, Law
 from sil.scenario.scenario import FOLDER, Propellers, Scenario, ScenarioError, Vessel, load
 from sil.scenario.sections import Fault, Leader
 from sil.wire.navigation_unit import Settings
@@ -126,12 +126,11 @@ NAMES = sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("law", [None, "paper", "product"])
-def test_every_scenario_that_comes_along_can_be_sailed(name: str, law: Law | None) -> None:
-    chosen = load(name, (), law)
-    for own in parameters_of(chosen, {}):
-        flotilla.Boat(own, links=2, scalar="float")
-    bodies_of([chosen])
+@pytest.mark.parametrize("law", LAWS)
+def test_every_scenario_that_comes_along_sails(name: str, law: Law) -> None:
+    (run,) = sail([load(name, ["duration_s=1"], law)], {})
+    assert isinstance(run, Run), run
+    assert len(run.trace["eta"]) == 101 and np.isfinite(run.trace["eta"]).all()
 
 
 @pytest.mark.parametrize("name", NAMES)

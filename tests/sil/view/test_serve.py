@@ -8,6 +8,7 @@ import socket
 import urllib.request
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -84,7 +85,7 @@ def fleet_of(count: int) -> list[bytes]:
     return [said(i, BEAT, origin(1, 2), attitude(0.1), local(float(i), 0.0)) for i in ids]
 
 
-def test_a_page_is_sent_at_most_ten_frames_a_second() -> None:
+def test_a_page_is_sent_ten_frames_a_second_and_never_more() -> None:
     port = free_port()
 
     async def use(url: str) -> list[float]:
@@ -98,8 +99,9 @@ def test_a_page_is_sent_at_most_ten_frames_a_second() -> None:
             return times
 
     times = served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use)
-    # a busy machine leaves frames out, never adds any
+    # a busy machine leaves frames out, but hardly each time, and never adds any
     assert times[-1] - times[0] > 0.4
+    assert min(b - a for a, b in pairwise(times)) < 0.15
 
 
 def test_garbage_and_a_hundred_systems_leave_the_page_up_and_are_counted() -> None:

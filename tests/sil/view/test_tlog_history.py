@@ -129,7 +129,7 @@ def written(path: Path, times_us: list[int]) -> Path:
 
 
 def test_a_long_log_has_no_more_samples_than_a_page_takes(tmp_path: Path) -> None:
-    path = written(tmp_path / "long.tlog", [500_000 * k for k in range(20_000)])
+    path = written(tmp_path / "long.tlog", [500_000 * k for k in range(4_000)])
     history = history_of_tlog(path)
     t_s, x_m = numbers(history["t_s"]), numbers(history["vessels"][0]["x_m"])
     assert MOST_SAMPLES // 2 - 2 <= t_s.size <= MOST_SAMPLES
