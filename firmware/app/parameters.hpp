@@ -39,13 +39,13 @@ enum class ParameterChange : std::uint8_t { kAnytime, kDisarmed, kRestart };
 struct ParameterInfo {
   std::string_view name;
   std::string_view unit;
-  float default_value;
   float least;
   float greatest;
   ParameterKind kind;
   ParameterChange change;
   float Parameters::* member;
 
+  float default_value() const { return Parameters{}.*member; }
   bool whole() const { return kind != ParameterKind::kReal; }
 };
 
@@ -53,7 +53,6 @@ inline constexpr std::array kParameterList{
 #define FLOTILLA_PARAMETER(group, name, unit, value, least, greatest, kind, change, sentence) \
   ParameterInfo{#name,                                                                        \
                 unit,                                                                         \
-                static_cast<float>(value),                                                    \
                 static_cast<float>(least),                                                    \
                 static_cast<float>(greatest),                                                 \
                 ParameterKind::k##kind,                                                       \

@@ -28,7 +28,7 @@ TEST_CASE("numbers in a sentence are written as usual, with six digits") {
     CHECK(written(std::strtof(text, nullptr)) == text);
   }
   for (const ParameterInfo& info : kParameterList) {
-    for (const float value : {info.default_value, info.least, info.greatest}) {
+    for (const float value : {info.default_value(), info.least, info.greatest}) {
       CHECK(std::strtof(written(value).c_str(), nullptr) == value);
     }
   }

@@ -138,3 +138,9 @@ def test_there_are_no_floating_point_instructions_in_the_image() -> None:
     code = run("arm-none-eabi-objdump", "-d", IMAGE)
     assert re.search(r"\tsmull\t", code)
     assert not re.search(r"\tv(add|sub|mul|div|ldr|mov|cvt)\S*\t", code)
+
+
+def test_only_sums_of_the_law_set_the_flag_of_saturation() -> None:
+    code = run("arm-none-eabi-objdump", "-d", IMAGE)
+    assert re.search(r"\tqadd\t", code)
+    assert not re.search(r"\t([su]sat|qd(add|sub))\S*\t", code)

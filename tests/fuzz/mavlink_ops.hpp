@@ -93,7 +93,7 @@ inline float parameter_value(Stream& in, const app::ParameterInfo& info) {
     case 1:
       return info.greatest;
     case 2:
-      return info.default_value;
+      return info.default_value();
     case 3:
       return std::nextafter(info.greatest, std::numeric_limits<float>::infinity());
     case 4:  // whole, between the ends

@@ -80,7 +80,8 @@ template <std::floating_point S>
 double number(S x) {
   return double{x};
 }
-inline double number(core::Q16 x) {
+/// A call: the compiler takes the library's conversion for one instruction, and would copy it.
+[[gnu::noinline]] inline double number(core::Q16 x) {
   constexpr std::uint64_t kHalvings = std::uint64_t{16} << 52U;  // subtracts 16 from the exponent
   const double raw = x.raw();
   return x.raw() == 0 ? 0 : std::bit_cast<double>(std::bit_cast<std::uint64_t>(raw) - kHalvings);

@@ -23,7 +23,8 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 
 template <class S>
 Pilot<S>::Pilot(const Configuration& c, const convert::Law<S>& law)
-    : own_(c.start.system, c.start.component, c.navigation.component),
+    : law_(law),
+      own_(c.start.system, c.start.component, c.navigation.component),
       leader_({c.formation.leader, 0}) {
   configure(c, law, c.start.system);
 }

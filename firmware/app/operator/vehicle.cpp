@@ -20,27 +20,21 @@ using core::State;
 // Bytes of a tick's 1400 to keep free for heartbeat, state and 24 answers.
 constexpr std::size_t kKeptRoom = 1000;
 
-/// The request in a message that the next tick must answer, if there is one.
+/// The request in a message that the next tick must answer; std::monostate if there is none.
 struct RequestOf {
   const link::FtpServer& ftp;
 
   template <class Message>
-  std::optional<RequestMessage> operator()(const Message& m) const {
-    if constexpr (std::is_constructible_v<RequestMessage, const Message&>) {
-      return RequestMessage(m);
-    } else {
-      return std::nullopt;
-    }
+  RequestMessage operator()(const Message& m) const {
+    if constexpr (std::is_constructible_v<RequestMessage, const Message&>) return m;
+    return {};
   }
-  std::optional<RequestMessage> operator()(std::monostate) const { return std::nullopt; }
-  std::optional<RequestMessage> operator()(const link::FileTransferProtocol& m) const {
-    return ftp.read(m);
+  RequestMessage operator()(const link::FileTransferProtocol& m) const { return ftp.read(m); }
+  RequestMessage operator()(const link::Timesync& m) const {
+    return m.tc1 == 0 ? RequestMessage(m) : RequestMessage();
   }
-  std::optional<RequestMessage> operator()(const link::Timesync& m) const {
-    return m.tc1 == 0 ? std::optional<RequestMessage>(m) : std::nullopt;
-  }
-  std::optional<RequestMessage> operator()(const link::Ping& m) const {
-    return m.target == link::Address{} ? std::optional<RequestMessage>(m) : std::nullopt;
+  RequestMessage operator()(const link::Ping& m) const {
+    return m.target == link::Address{} ? RequestMessage(m) : RequestMessage();
   }
 };
 
@@ -121,9 +115,9 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
     take_sticks(link, received, *sticks, now_us, counters);
     return true;
   }
-  const auto request = std::visit(RequestOf{ftp_}, received.message);
-  if (!request) return false;
-  keep(link, received, *request, now_us, counters);
+  const RequestMessage request = std::visit(RequestOf{ftp_}, received.message);
+  if (std::holds_alternative<std::monostate>(request)) return false;
+  keep(link, received, request, now_us, counters);
   return true;
 }
 

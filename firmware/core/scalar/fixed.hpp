@@ -16,17 +16,10 @@
 #include <utility>
 
 #include "core/scalar/fixed_integer.hpp"
+#include "core/scalar/fixed_sum.hpp"
 #include "core/scalar/scalar.hpp"
 
 namespace flotilla::core {
-
-/// Whether a result of this thread has saturated since the flag was last cleared. A microcontroller
-/// has only one thread.
-#ifdef __linux__
-inline thread_local bool q16_overflow = false;
-#else
-inline bool q16_overflow = false;
-#endif
 
 class Q16 {
  public:
@@ -34,7 +27,7 @@ class Q16 {
 
   template <std::integral T>
   [[gnu::always_inline]] constexpr explicit Q16(T whole) {
-    if (__builtin_mul_overflow(whole, kOne, &raw_)) raw_ = end(std::cmp_less(whole, 0));
+    if (__builtin_mul_overflow(whole, kOne, &raw_)) raw_ = fixed::end(std::cmp_less(whole, 0));
   }
 
   /// Compile-time literals only; one that is out of range does not compile.
@@ -50,14 +43,10 @@ class Q16 {
 
   [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) { return Q16{} - a; }
   [[gnu::always_inline]] friend constexpr Q16 operator+(Q16 a, Q16 b) {
-    std::int32_t sum = 0;
-    if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end_of_sum(a.raw_ < 0);
-    return of_raw(sum);
+    return of_raw(fixed::sum(a.raw_, b.raw_));
   }
   [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a, Q16 b) {
-    std::int32_t difference = 0;
-    if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end_of_sum(a.raw_ < 0);
-    return of_raw(difference);
+    return of_raw(fixed::difference(a.raw_, b.raw_));
   }
   [[gnu::always_inline]] friend constexpr Q16 operator*(Q16 a, Q16 b) {
     return rounded(std::int64_t{a.raw_} * b.raw_);
@@ -73,13 +62,13 @@ class Q16 {
     const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
     std::int64_t sum = 0;
     const bool wraps = __builtin_add_overflow(first, std::int64_t{c.raw_} * d.raw_, &sum);
-    return wraps ? of_raw(end_of_sum(first < 0)) : rounded(sum);
+    return wraps ? of_raw(fixed::end(first < 0)) : rounded(sum);
   }
   [[gnu::always_inline]] friend constexpr Q16 difference_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
     const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
     std::int64_t difference = 0;
     const bool wraps = __builtin_sub_overflow(first, std::int64_t{c.raw_} * d.raw_, &difference);
-    return wraps ? of_raw(end_of_sum(first < 0)) : rounded(difference);
+    return wraps ? of_raw(fixed::end(first < 0)) : rounded(difference);
   }
 
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
@@ -102,7 +91,7 @@ class Q16 {
     const auto same = static_cast<std::int32_t>(raw);
     if (same == raw) [[likely]]
       return of_raw(same);
-    return of_raw(end_of_sum(x < 0));
+    return of_raw(fixed::end(x < 0));
   }
 
   /// The nearest raw value in range.
@@ -110,14 +99,14 @@ class Q16 {
     const auto same = static_cast<std::int32_t>(raw);
     if (same == raw) [[likely]]
       return same;
-    return end(raw < 0);
+    return fixed::end(raw < 0);
   }
 
   /// ±n / d of raw values.
   [[gnu::always_inline]] static constexpr Q16 quotient(std::uint64_t n, std::uint32_t d,
                                                        bool negative) {
     if (n >> 32 >= d) {  // 2³² or more, or by zero
-      const std::int32_t most = end(negative);
+      const std::int32_t most = fixed::end(negative);
       return of_raw(n == 0 ? 0 : most);
     }
     const bool is_short = n >> 32 == 0;  // |a| < 1: one division suffices
@@ -138,16 +127,6 @@ class Q16 {
 
  private:
   static constexpr std::int32_t kOne = 65536;
-
-  static std::int32_t end(bool negative) {
-    q16_overflow = true;
-    return negative ? std::numeric_limits<std::int32_t>::min()
-                    : std::numeric_limits<std::int32_t>::max();
-  }
-  /// A call is shorter than the same in place, and there are many sums.
-  [[gnu::cold, gnu::noinline]] static std::int32_t end_of_sum(bool negative) {
-    return end(negative);
-  }
 
   template <std::floating_point T>
   static consteval std::int32_t nearest(T literal) {

@@ -16,7 +16,8 @@ bool take_overflow() {
 }
 template <>
 inline bool take_overflow<Q16>() {
-  return std::exchange(q16_overflow, false);
+  const bool in_sum = fixed::take_saturation();
+  return std::exchange(q16_overflow, false) || in_sum;
 }
 
 }  // namespace flotilla::core

@@ -88,7 +88,7 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
   loaded.notes.push_back(where + ": " + std::string(info->name) + " = " + std::string(text) +
                          " is refused (allowed: " + number_text(info->least) + " to " +
                          number_text(info->greatest) + (info->whole() ? ", whole" : "") +
-                         "); using the default " + number_text(info->default_value));
+                         "); using the default " + number_text(info->default_value()));
 }
 
 /// Notes parameters that are missing because an older version wrote the file.
@@ -114,7 +114,7 @@ void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
     const app::ParameterInfo& info = *app::find_parameter(name);
     float& value = loaded.values.*info.member;
     if (!has(name) || value != 0) continue;
-    value = info.default_value;
+    value = info.default_value();
     loaded.notes.push_back(where + ": " + std::string(name) +
                            " = 0 from an older version is replaced by the new default " +
                            number_text(value));

@@ -201,7 +201,7 @@ nb::list parameter_list() {
     nb::dict entry;
     entry["name"] = nb::str(info.name.data(), info.name.size());
     entry["unit"] = nb::str(info.unit.data(), info.unit.size());
-    entry["default"] = info.default_value;
+    entry["default"] = info.default_value();
     entry["least"] = info.least;
     entry["greatest"] = info.greatest;
     entry["integer"] = info.whole();

@@ -4,10 +4,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/operator/telemetry/text.hpp"
@@ -141,10 +143,28 @@ nb::list choices() {
     nb::dict entry;
     entry["name"] = choice.parameter;
     entry["reactions"] = reactions;
-    entry["default"] = static_cast<int>(info.default_value);
+    entry["default"] = static_cast<int>(info.default_value());
     out.append(entry);
   }
   return out;
+}
+
+/// The parameter that sets a condition's limit; empty if none does.
+std::string_view limit_of(core::Conditions condition) {
+  struct Limit {
+    core::Conditions condition;
+    std::string_view parameter;
+  };
+  constexpr std::array kLimits{
+      Limit{core::kOwnFresh, "FS_NAV_S"},      Limit{core::kOwnTimed, "NAV_LAG_S"},
+      Limit{core::kEscsOnline, "FS_ESC_S"},    Limit{core::kLeaderFresh, "FS_LEADER_S"},
+      Limit{core::kLeaderTimed, "FORM_LAG_S"}, Limit{core::kLeaderNear, "FORM_DIST_MAX"},
+      Limit{core::kOnStation, "FS_SLOT_M"},    Limit{core::kClear, "FS_SEP_M"},
+      Limit{core::kInsideFence, "FS_FENCE_M"}, Limit{core::kBatteryGood, "FS_BATT_V"},
+      Limit{core::kGcsHeard, "FS_GCS_S"},      Limit{core::kCoastRunning, "FS_COAST_S"},
+  };
+  const auto found = std::ranges::find(kLimits, condition, &Limit::condition);
+  return found == kLimits.end() ? std::string_view() : found->parameter;
 }
 
 nb::list conditions() {
@@ -154,7 +174,7 @@ nb::list conditions() {
     entry["name"] = names_of(complaint.condition)[0];
     entry["bit"] = std::countr_zero(complaint.condition);
     entry["complaint"] = text(complaint.sentence);
-    entry["limit"] = text(complaint.limit);
+    entry["limit"] = text(limit_of(complaint.condition));
     out.append(entry);
   }
   return out;

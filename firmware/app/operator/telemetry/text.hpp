@@ -21,7 +21,6 @@ inline std::string_view name_of(core::State state) {
 struct Complaint {
   core::Conditions condition;
   std::string_view sentence;
-  std::string_view limit = {};  ///< the parameter that sets it
 };
 
 /// Texts for unmet conditions, the most important first.
@@ -30,36 +29,36 @@ inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kBusUp, "CAN bus is down"},
     {core::kInRange, "numeric overflow in the control law"},
     {core::kSoleVessel, "system id is used twice"},
-    {core::kOwnFresh, "own state is not fresh", "FS_NAV_S"},
+    {core::kOwnFresh, "own state is not fresh"},
     {core::kOwnLive, "own state is frozen"},
     {core::kOwnSteady, "own state jumps"},
-    {core::kOwnTimed, "own latency unknown: set NAV_LAG_S", "NAV_LAG_S"},
+    {core::kOwnTimed, "own latency unknown: set NAV_LAG_S"},
     {core::kOwnGood, "navigation unit reports a poor estimate"},
     {core::kOwnPrompt, "navigation latency is too high"},
-    {core::kEscsOnline, "ESCs are not online", "FS_ESC_S"},
+    {core::kEscsOnline, "ESCs are not online"},
     {core::kEscsObey, "ESC spinning while commanded to stop"},
     {core::kBoatAnswers, "boat does not respond to thrust"},
-    {core::kLeaderFresh, "leader's state is not fresh", "FS_LEADER_S"},
-    {core::kLeaderTimed, "leader latency unknown: set FORM_LAG_S", "FORM_LAG_S"},
-    {core::kLeaderNear, "leader is further than FORM_DIST_MAX", "FORM_DIST_MAX"},
+    {core::kLeaderFresh, "leader's state is not fresh"},
+    {core::kLeaderTimed, "leader latency unknown: set FORM_LAG_S"},
+    {core::kLeaderNear, "leader is further than FORM_DIST_MAX"},
     {core::kLeaderLive, "leader's state is frozen"},
     {core::kLeaderSteady, "leader's state jumps or has two senders"},
     {core::kLeadersEnd, "leaders form a cycle"},
     {core::kSlotSound, "slot is taken, or needs sailing astern"},
-    {core::kOnStation, "boat is out of formation", "FS_SLOT_M"},
+    {core::kOnStation, "boat is out of formation"},
     {core::kPlanReady, "no plan, or outside fence or 1 km away"},
     {core::kLocated, "own global position is unknown"},
     {core::kHomeNear, "no home or rally point within 2.9 km"},
-    {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
-    {core::kInsideFence, "outside fence, or position unknown", "FS_FENCE_M"},
-    {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
-    {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
+    {core::kClear, "a vessel is nearer than FS_SEP_M"},
+    {core::kInsideFence, "outside fence, or position unknown"},
+    {core::kBatteryGood, "battery is below FS_BATT_V, or unknown"},
+    {core::kGcsHeard, "no ground station is heard"},
     {core::kGainsFit, "a gain does not fit the hull"},
     {core::kParametersSaved, "parameters or fence are not saved"},
     {core::kSticksFresh, "no sticks (MANUAL_CONTROL or RC)"},
     {core::kSticksCentred, "centre the sticks first"},
     {core::kTestRunning, "no motor test is running"},
-    {core::kCoastRunning, "FS_COAST_S elapsed", "FS_COAST_S"},
+    {core::kCoastRunning, "FS_COAST_S elapsed"},
 }};
 
 /// Calls f(sentence) for each condition of the set, the most important first.

@@ -148,7 +148,7 @@ TEST_CASE("a NaN, out-of-range or non-whole value changes nothing and is reporte
       CHECK(result.error == mav::kParamOutOfRange);
       CHECK(result.sentence.text().starts_with(std::string(info.name) + " "));
       CHECK(result.sentence.text().find(" refused: ") != std::string_view::npos);
-      CHECK(boat.values.*info.member == info.default_value);
+      CHECK(boat.values.*info.member == info.default_value());
       check_refusal(boat, info, mav::kParamOutOfRange);
     }
   }
@@ -177,8 +177,8 @@ TEST_CASE("while armed, only parameters that may change at any time do") {
     CAPTURE(std::string(info.name));
     Boat boat;
     // halfway to a limit, if there is room
-    const float to = info.default_value == info.greatest ? info.least : info.greatest;
-    const float value = info.whole() ? to : (info.default_value + to) / 2;
+    const float to = info.default_value() == info.greatest ? info.least : info.greatest;
+    const float value = info.whole() ? to : (info.default_value() + to) / 2;
     Parameters desired;
     desired.*info.member = value;
     if (contradiction(desired)) continue;
@@ -190,7 +190,7 @@ TEST_CASE("while armed, only parameters that may change at any time do") {
       check_answer_to_all(boat, info);
     } else {
       CHECK(result.outcome == Outcome::kRefused);
-      CHECK(boat.values.*info.member == info.default_value);
+      CHECK(boat.values.*info.member == info.default_value());
       check_refusal(boat, info, mav::kParamPermissionDenied);
     }
     // A repeated set changes nothing.

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Sums of 32-bit integers that saturate, and whether one did. A Cortex-M4 has instructions for
+// them, which set its flag Q: half as long as a check for overflow, and a law has some 600 sums.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+namespace flotilla::core {
+
+/// Whether a result of this thread has saturated since the flag was last cleared. A microcontroller
+/// has only one thread.
+#ifdef __linux__
+inline thread_local bool q16_overflow = false;
+#else
+inline bool q16_overflow = false;
+#endif
+
+namespace fixed {
+
+#if defined(__ARM_FEATURE_QBIT) && !defined(__linux__)  // where no library sets the flag, too
+constexpr bool kSaturates = true;
+#else
+constexpr bool kSaturates = false;
+#endif
+
+/// The end of the range on that side; sets q16_overflow. A call is shorter than the same in place.
+[[gnu::cold, gnu::noinline]] inline std::int32_t end(bool negative) {
+  q16_overflow = true;
+  return negative ? std::numeric_limits<std::int32_t>::min()
+                  : std::numeric_limits<std::int32_t>::max();
+}
+
+/// Whether the compiler computes the sum of these itself.
+[[gnu::always_inline]] constexpr bool are_known(std::int32_t a, std::int32_t b) {
+  return std::is_constant_evaluated() || (__builtin_constant_p(a) && __builtin_constant_p(b));
+}
+
+[[gnu::always_inline]] constexpr std::int32_t sum(std::int32_t a, std::int32_t b) {
+  std::int32_t out = 0;
+  if constexpr (kSaturates) {
+    if (!are_known(a, b)) {
+      asm volatile("qadd %0, %1, %2" : "=r"(out) : "r"(a), "r"(b));
+      return out;
+    }
+  }
+  return __builtin_add_overflow(a, b, &out) ? end(a < 0) : out;
+}
+
+[[gnu::always_inline]] constexpr std::int32_t difference(std::int32_t a, std::int32_t b) {
+  std::int32_t out = 0;
+  if constexpr (kSaturates) {
+    if (!are_known(a, b)) {
+      asm volatile("qsub %0, %1, %2" : "=r"(out) : "r"(a), "r"(b));
+      return out;
+    }
+  }
+  return __builtin_sub_overflow(a, b, &out) ? end(a < 0) : out;
+}
+
+/// Whether the processor has saturated a sum since the last call. Nothing else may set its flag:
+/// tests/cortex_m looks for other instructions that would.
+inline bool take_saturation() {
+  std::uint32_t flags = 0;
+  if constexpr (kSaturates) {
+    asm volatile("mrs %0, apsr\n\tmsr apsr_nzcvq, %1" : "=&r"(flags) : "r"(0) : "cc");
+  }
+  return (flags >> 27 & 1) != 0;
+}
+
+}  // namespace fixed
+}  // namespace flotilla::core
