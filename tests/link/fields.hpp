@@ -12,7 +12,7 @@ namespace flotilla::testing {
 template <class M, class F>
 void each_field(M& m, F f) {
   if constexpr (!std::is_same_v<std::remove_const_t<M>, std::monostate>) {
-    m.fields(m, f);
+    m.fields(m, [&](std::size_t, auto& field) { f(field); });
   }
 }
 

@@ -5,44 +5,40 @@
 #include <bit>
 #include <cstring>
 
-#include "link/mavlink/layout.hpp"
+#include "link/mavlink/frame.hpp"
 
 namespace flotilla::link {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// By the message's place in the variant.
-template <class... M>
-constexpr auto layouts_of(const std::variant<M...>*) {
-  return std::array{kLayout<M>...};
-}
-constexpr auto kLayouts = layouts_of(static_cast<const Message*>(nullptr));
+/// Writes a message's full payload, without truncating its zeros; returns the data its frame needs.
+struct PayloadWriter {
+  std::uint8_t* out;
 
-/// Writes a message's full payload, without truncating its zeros.
-void write_payload(const Message& message, const Layout& layout, std::byte* out) {
-  const auto* in =
-      std::visit([](const auto& m) { return reinterpret_cast<const std::byte*>(&m); }, message);
-  std::memset(out, 0, layout.type.payload_bytes);
-  for (const auto& [in_struct, in_payload, bytes] : layout.places()) {
-    copy_bytes(out + in_payload, in + in_struct, bytes);
+  FrameType operator()(std::monostate) const { return {}; }
+
+  template <class M>
+  FrameType operator()(const M& x) const {
+    std::memset(out, 0, M::kBytes);
+    const auto put = [to = out](std::size_t at, const auto& field) {
+      std::memcpy(to + at, &field, sizeof field);
+    };
+    M::fields(x, put);
+    if constexpr (requires { M::constants(put); }) M::constants(put);
+    return {M::kId, M::kCrcExtra, M::kBytes};
   }
-  if (!layout.has_constants) return;
-  for (const auto& [id, in_payload, byte] : kConstants) {
-    if (id == layout.type.id) out[in_payload] = std::byte{byte};
-  }
-}
+};
 
 }  // namespace
 
 std::size_t MavlinkEncoder::encode(const Message& message, std::span<std::uint8_t> out,
                                    Signing* signing, std::uint8_t link_id) {
   std::array<std::uint8_t, kMaxPayloadBytes> payload;
-  const Layout& layout = kLayouts[message.index()];
-  if (layout.places().empty()) return 0;
-  write_payload(message, layout, reinterpret_cast<std::byte*>(payload.data()));
+  const FrameType type = std::visit(PayloadWriter{payload.data()}, message);
+  if (type.payload_bytes == 0) return 0;
   const std::size_t length =
-      write_frame(layout.type, payload.data(), {self_, sequence_, signing != nullptr}, out);
+      write_frame(type, payload.data(), {self_, sequence_, signing != nullptr}, out);
   if (length == 0) return 0;
   ++sequence_;
   if (signing == nullptr) return length;

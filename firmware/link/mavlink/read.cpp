@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "link/mavlink/read.hpp"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <type_traits>
-
-#include "link/mavlink/layout.hpp"
 
 namespace flotilla::link {
 namespace {
@@ -16,29 +13,27 @@ static_assert(std::endian::native == std::endian::little);
 
 using Bytes = std::span<const std::uint8_t>;
 
+/// A payload of `size` bytes, with the zeros that the frame left out.
+const std::uint8_t* padded(Bytes payload, std::size_t size, std::uint8_t* room) {
+  if (payload.size() >= size) return payload.data();
+  std::memcpy(room, payload.data(), payload.size());
+  std::memset(room + payload.size(), 0, size - payload.size());
+  return room;
+}
+
 /// Converts to the message's struct in place, without zeroing or copying first.
 struct Reader {
   Bytes payload;
 
   template <class M>
   operator M() const noexcept {
+    std::array<std::uint8_t, M::kBytes> room;
+    const std::uint8_t* const from = padded(payload, room.size(), room.data());
     M message;
-    read(kLayout<M>, reinterpret_cast<std::byte*>(&message));
+    M::fields(message, [from](std::size_t at, auto& field) {
+      std::memcpy(&field, from + at, sizeof field);
+    });
     return message;
-  }
-
-  /// The bytes that the frame left out are zero.
-  void read(const Layout& layout, std::byte* out) const {
-    std::array<std::byte, kMaxPayloadBytes> room;
-    const std::byte* from = reinterpret_cast<const std::byte*>(payload.data());
-    if (payload.size() < layout.type.payload_bytes) {
-      std::memcpy(room.data(), from, payload.size());
-      std::memset(room.data() + payload.size(), 0, layout.type.payload_bytes - payload.size());
-      from = room.data();
-    }
-    for (const Place& place : layout.places()) {
-      copy_bytes(out + place.in_struct, from + place.in_payload, place.bytes);
-    }
   }
 };
 
