@@ -18,8 +18,6 @@ FleetOrder Membership::order(core::State state, bool stopped, core::Conditions c
                              std::int64_t now_us) {
   if (!kKeepsFleet) return FleetOrder::kNone;
   const MissionService& missions = vehicle_.missions();
-  const auto told = fleet().take_place();
-  if (told && told->item != missions.current() && !core::sails_alone(state)) keep(*told);
   const Configuration& configuration = vehicle_.configuration();
   const auto item = static_cast<std::uint16_t>(missions.current());
   const bool fit = (conditions & core::kLoiterBegins) == core::kLoiterBegins;
@@ -50,17 +48,16 @@ bool Membership::obey(FleetOrder order) {
   return true;
 }
 
-/// Continues the fleet's plan from the last leader's item, or waits if this boat has another plan.
+/// Continues the fleet's plan from the last leader's item, or waits there: if the fleet does not
+/// sail its plan now, or this boat has another one.
 void Membership::lead() {
-  if (keep(fleet().place()) && vehicle_.obey(core::Request::kAuto, counters_)) return;
-  vehicle_.obey(core::Request::kLoiter, counters_);
-}
-
-/// Makes the fleet's item the current one. False if this boat has another plan, or none.
-bool Membership::keep(const FleetPlace& place) {
   MissionService& missions = vehicle_.missions();
-  const bool shared = place.plan_id != 0 && place.plan_id == missions.id(Stored::kPlan);
-  return shared && missions.set_current(place.item);
+  const std::uint32_t plan_id = fleet().last_plan_id();
+  const bool shared = plan_id != 0 && plan_id == missions.id(Stored::kPlan);
+  const bool there = shared && missions.set_current(fleet().place().item);
+  const bool sails = there && fleet().place().plan_id != 0;
+  if (sails && vehicle_.obey(core::Request::kAuto, counters_)) return;
+  vehicle_.obey(core::Request::kLoiter, counters_);
 }
 
 void Membership::tell(std::int64_t now_us) {

@@ -62,7 +62,6 @@ class Membership {
   Fleet& fleet() { return fleets_[0]; }
   const Fleet& fleet() const { return fleets_[0]; }
   void lead();
-  bool keep(const FleetPlace& place);
 
   Vehicle& vehicle_;
   MavlinkLinks& links_;

@@ -167,16 +167,23 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
                                                               held.count);
   }
   if (!now_rank) return;
-  peers_.take(*now_rank, beacon, ledger_, now_us);
-  const auto& peers = peers_.all();
-  const FleetPeer& peer = peers[*now_rank];
   const std::size_t leader = succession_.leader();
-  const bool relays = peer.hears == leader && leader < peers.size() && !peers[leader].heard;
-  const bool has_table = beacon.epoch != 0;  // a boat that has restarted does not know the plan
-  if ((*now_rank == leader && has_table) || relays) {
-    place_ = {beacon.plan_id, beacon.plan_item};
-    place_told_ = true;
+  const FleetPeer& peer = peers_.all()[*now_rank];
+  const bool relayed = peer.hears == leader;
+  peers_.take(*now_rank, beacon, ledger_, now_us);
+  const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
+  // Its first beacon after the leader's stop names no leader any more.
+  const bool ends = relayed && beacon.plan_id == 0;
+  const bool relays = unheard && peer.fit && (peer.hears == leader || ends);
+  const bool by_leader = peer.leads || (beacon.flags & FleetPeers::kEnds) != 0;
+  if ((*now_rank == leader && by_leader) || relays) {
+    note_place({beacon.plan_id, beacon.plan_item});
   }
+}
+
+void Fleet::note_place(const FleetPlace& place) {
+  place_ = place;
+  if (place.plan_id != 0) plan_id_ = place.plan_id;
 }
 
 /// The newest table comes into force.
@@ -190,7 +197,8 @@ void Fleet::begin(const Configuration::Formation& own, core::State state, std::i
   const bool obeyed = !std::exchange(by_hand_, false) && before.rank_of(system_).has_value();
   // Without a slot in the table a follower must not sail to the one of its parameters, and no
   // operator has ordered a boat that took over to sail alone.
-  const bool sails_by_table = core::follows(state) || succession_.leads_by_rule();
+  const bool sails_by_table =
+      core::follows(state) || (core::sails_alone(state) && succession_.sails_by_rule());
   if (obeyed && !table.rank_of(system_) && sails_by_table) stops_ = true;
   if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
     // Its former leader may be its follower now.
@@ -223,12 +231,13 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
          by_hand_, alone && state != state_, state == core::State::kManual},
         std::span(peers_.all()).first(table->count));
     if (succession_.leads() && order != FleetOrder::kLead) {
-      place_ = state == core::State::kAuto ? report.place : FleetPlace{};
+      note_place({state == core::State::kAuto ? report.place.plan_id : 0, report.place.item});
     }
     const std::size_t leader = succession_.leader();
     const bool tells_no_plan = leader < table->count && table->members[leader].only_leads;
     const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_.all());
-    if (tells_no_plan || waits || report.stopped) place_ = {};
+    if (waits || report.stopped) place_.plan_id = 0;
+    if (tells_no_plan) place_ = {};
     next = by_hand_ ? std::nullopt : attachment(*rank, now_us);
     if (next && leader < table->count) slot_motion = paths_.motion(*rank, leader, now_us);
   } else {
@@ -302,9 +311,10 @@ void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t n
     const bool follows = core::follows(report.state) || (yields && led);
     const bool fit = follows && report.fit && !by_hand_;
     const bool leads = succession_.leads();
-    now.flags = static_cast<std::uint8_t>((fit ? FleetPeers::kFit : 0U) |
-                                          (leads ? FleetPeers::kLeads : 0U) |
-                                          (hears ? *hears + 1 : 0U) << FleetPeers::kHears);
+    const bool ends = report.stopped && plan_id_ != 0;  // a boat that has restarted knows no plan
+    now.flags = static_cast<std::uint8_t>(
+        (fit ? FleetPeers::kFit : 0U) | (leads ? FleetPeers::kLeads : 0U) |
+        (ends ? FleetPeers::kEnds : 0U) | (hears ? *hears + 1 : 0U) << FleetPeers::kHears);
     now.leader = leads || !attachment_ ? std::uint8_t{0} : attachment_->leader;
     now.plan_id = place_.plan_id;
     now.plan_item = place_.item;

@@ -31,7 +31,7 @@ struct FleetReport {
   core::State state = core::State::kDisarmed;
   bool fit = false;      ///< could begin LOITER, and keeps its slot
   FleetPlace place;      ///< of its own plan
-  bool stopped = false;  ///< disarmed, or in HOLD, by order: the fleet's plan ends with it
+  bool stopped = false;  ///< disarmed, or in HOLD by order: the plan that it led ends
 };
 
 /// Inactive without a table; requests one when a beacon mentions one.
@@ -75,13 +75,12 @@ class Fleet {
   /// The shape changes: places move, or boats still settle in them.
   bool moves(std::int64_t now_us) const { return paths_.moves(now_us); }
 
-  /// Plan and item that the last leader reported; none if it sailed no plan, or had paused it.
+  /// Plan and item that the last leader reported; no plan if it sailed none, had paused it, or was
+  /// stopped by an operator.
   const FleetPlace& place() const { return place_; }
 
-  /// The same, once after each report of the leader.
-  std::optional<FleetPlace> take_place() {
-    return std::exchange(place_told_, false) ? std::optional(place_) : std::nullopt;
-  }
+  /// The plan that the fleet sailed last; the place's item is one of it. 0: none.
+  std::uint32_t last_plan_id() const { return plan_id_; }
 
   /// Messages that are due.
   std::optional<link::FleetBeacon> beacon(std::int64_t now_us);
@@ -110,6 +109,7 @@ class Fleet {
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
+  void note_place(const FleetPlace& place);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
@@ -126,8 +126,8 @@ class Fleet {
   bool by_hand_ = false;
   bool changed_ = false;
   FleetPlace place_;
-  bool place_told_ = false;
-  core::State state_{};  // in the last step
+  std::uint32_t plan_id_ = 0;  // the last one sailed
+  core::State state_{};        // in the last step
   std::optional<Request> request_;
   FleetPaths paths_;
   SlotMotion slot_motion_;

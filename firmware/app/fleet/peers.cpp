@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint32_t kAhead_ms = 10'000;
 // Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
+constexpr int kFar = 20;  // more beacons than a boat sends in that time
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
@@ -56,13 +57,14 @@ bool FleetPeers::hear(std::size_t rank, const link::Received& received, bool onl
 }
 
 /// Records the beacon's number; false if a newer one arrived first, on a faster link. A boat that
-/// has restarted begins its numbers anew, without a table.
+/// has restarted begins its numbers anew, without a table, far from its last one.
 bool FleetPeers::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
   const std::uint16_t now_ds = deciseconds(now_us);
   const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
   const bool overtaken = heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0;
-  if (overtaken && beacon.epoch != 0) return false;
+  const bool restarted = beacon.epoch == 0 && ahead <= -kFar;
+  if (overtaken && !restarted) return false;
   heard.sequence = beacon.sequence;
   heard.beacon_ds = now_ds;
   return true;
@@ -87,7 +89,7 @@ void FleetPeers::take(std::size_t rank, const link::FleetBeacon& beacon, const F
 /// the last report.
 void FleetPeers::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon,
                              const FleetLedger& ledger) {
-  const std::size_t told = beacon.flags >> kHears;
+  const std::size_t told = (beacon.flags & ~kEnds) >> kHears;
   if (told == 0) peer.hears = FleetTable::kMax;
   for (const FleetTable* table : {&ledger.newest(), ledger.current()}) {
     if (table->epoch != beacon.epoch || table->digest != beacon.digest) continue;

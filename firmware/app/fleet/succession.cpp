@@ -100,7 +100,8 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   } else {
     const bool is_root = table.members[self.rank].leader == 0;
     const bool none_leads = other == kNobody && told == kNobody;
-    leads_ = goes_on || (self.alone && (self.ordered || (is_root && none_leads)));
+    const bool begins = is_root && none_leads && !under_way_;
+    leads_ = goes_on || (self.alone && (self.ordered || begins));
   }
   if (other == kNobody && told == kNobody && !led && under_way_ && self.fit &&
       first_fit(table, self.rank, peers)) {

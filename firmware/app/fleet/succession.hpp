@@ -46,10 +46,13 @@ enum class FleetOrder : std::uint8_t {
 /// Among members that report leading, the highest (epoch, rank) leads; the others yield. If there
 /// is none, the first fit member that can lead takes over, but only once the fleet is under way:
 /// after a member has led it. If a boat has stopped since, or was ordered to follow instead of
-/// leading, the fleet counts as under way for it only when a member leads again. A mode that an
-/// operator sets is never overridden; a leader that its operator steers by MANUAL goes on leading.
-/// A leader whose mode an operator has set keeps that mode, unless it is AUTO or GUIDED and a better
-/// leader appears, or the table no longer lets it lead.
+/// leading, the fleet counts as under way for it only when a member leads again. The table's root
+/// also leads in LOITER and RTL if it was there before the fleet was under way.
+///
+/// A mode that an operator sets stays, with two exceptions: AUTO and GUIDED end if a better leader
+/// appears, and every mode without a leader ends if the table no longer lets the boat lead. A leader
+/// that its operator steers by MANUAL goes on leading.
+///
 /// A failed member leaves the tree until the next table, or, if it has not been fit under this one,
 /// until it is: its followers attach to its leader. It may still follow.
 ///
@@ -71,8 +74,8 @@ class Succession {
 
   bool leads() const { return leads_; }
 
-  /// It leads because another leader failed, not by an operator's order.
-  bool leads_by_rule() const { return leads_ && by_rule_; }
+  /// If it sails without a leader: because a leader failed, not by an operator's order.
+  bool sails_by_rule() const { return by_rule_; }
 
   /// Rank of the fleet's leader, possibly this boat's own; kNobody: none is known.
   std::size_t leader() const { return leader_; }

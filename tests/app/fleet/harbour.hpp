@@ -66,6 +66,16 @@ struct Harbour {
     }
   }
 
+  /// Boats[who] neither hears others nor is heard, until reach(who).
+  void cut_off(std::size_t who) {
+    for (Boat& boat : boats) boat.deaf_to = boats[who].system;
+    boats[who].hears = boats[who].system;
+  }
+  void reach(std::size_t who) {
+    for (Boat& boat : boats) boat.deaf_to = 0;
+    boats[who].hears = 0;
+  }
+
   void sail(double s) {
     const auto end_us = now_us + static_cast<std::int64_t>(s * 1e6);
     for (; now_us < end_us; now_us += kTick_us) {
@@ -83,6 +93,7 @@ struct Harbour {
         const bool planned = boat.fleet.place().plan_id != 0;
         if (boat.order == FleetOrder::kLead) {
           boat.state = planned ? core::State::kAuto : core::State::kLoiter;
+          boat.place.item = boat.fleet.place().item;
         }
         const bool joins = boat.order == FleetOrder::kFollow && boat.may_follow;
         if (joins) boat.state = core::State::kFormation;

@@ -170,6 +170,48 @@ TEST_CASE("an operator's HOLD or DISARM of the leader ends the plan, a failure d
   }
 }
 
+TEST_CASE("a boat that hears the leader only through another knows that its plan has ended") {
+  for (const bool stopped : {true, false}) {
+    CAPTURE(stopped);
+    Harbour harbour = under_way();
+    harbour.boats[1].deaf_to = 1;
+    harbour.sail(5);
+    CHECK(harbour.boats[1].fleet.place().plan_id == 77);
+    harbour.boats[0].state = State::kHold;
+    harbour.boats[0].stopped = stopped;
+    harbour.sail(3);
+    CHECK(harbour.boats[1].state == (stopped ? State::kLoiter : State::kAuto));
+  }
+}
+
+TEST_CASE("a follower that its operator has stopped does not end the plan of others") {
+  for (int start = 0; start < 24; ++start) {
+    CAPTURE(start);
+    Harbour harbour = under_way();
+    harbour.boats[3].state = State::kHold;
+    harbour.boats[3].stopped = true;
+    harbour.sail(3 + 0.05 * start);
+    harbour.boats[1].deaf_to = 1;
+    harbour.sail(0.2);
+    harbour.boats[0].on = false;
+    harbour.sail(4);
+    CHECK(harbour.boats[1].state == State::kAuto);
+  }
+}
+
+TEST_CASE("who takes over from a leader that paused knows where the fleet was in its plan") {
+  Harbour harbour = under_way();
+  harbour.boats[0].place = {77, 5};
+  harbour.sail(3);
+  harbour.boats[0].place = {0, 5};  // paused
+  harbour.sail(2);
+  harbour.boats[0].on = false;
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == State::kLoiter);
+  CHECK(harbour.boats[1].fleet.last_plan_id() == 77);
+  CHECK(harbour.boats[1].fleet.place().item == 5);
+}
+
 TEST_CASE("a root in LOITER or RTL leads: others take over from it, and none leads beside it") {
   for (const State state : {State::kLoiter, State::kReturn}) {
     CAPTURE(static_cast<int>(state));
@@ -187,14 +229,33 @@ TEST_CASE("a root in LOITER or RTL leads: others take over from it, and none lea
   }
 }
 
-TEST_CASE("a root in LOITER leaves the fleet to the boat that already leads it") {
+TEST_CASE("a root in LOITER or RTL leaves the fleet to the boat that already leads it") {
+  for (const State state : {State::kLoiter, State::kReturn}) {
+    CAPTURE(static_cast<int>(state));
+    Harbour harbour = under_way();
+    harbour.boats[0].state = State::kHold;  // a failure
+    harbour.sail(3);
+    harbour.boats[0].state = state;
+    harbour.sail(5);
+    CHECK(harbour.leader_of(2) == 2);
+    harbour.cut_off(0);
+    harbour.sail(3);
+    harbour.reach(0);
+    harbour.sail(3);
+    CHECK(harbour.boats[1].state == State::kAuto);
+    CHECK(harbour.leader_of(2) == 2);
+  }
+}
+
+TEST_CASE("if the boat that took over from a waiting root fails, the next one sails on") {
   Harbour harbour = under_way();
   harbour.boats[0].state = State::kHold;  // a failure
   harbour.sail(3);
   harbour.boats[0].state = State::kLoiter;
-  harbour.sail(5);
-  CHECK(harbour.boats[1].state == State::kAuto);
-  CHECK(harbour.leader_of(2) == 2);
+  harbour.sail(3);
+  harbour.boats[1].on = false;
+  harbour.sail(3);
+  CHECK(harbour.boats[2].state == State::kAuto);
 }
 
 TEST_CASE("a leader that a new table no longer lets lead follows the next one") {
@@ -235,6 +296,14 @@ TEST_CASE(
   }
 }
 
+TEST_CASE(
+    "a boat that took over, and yields but cannot follow yet, stops when a table leaves it out") {
+  Harbour harbour = yielding();
+  harbour.hear(1, message_of(without_boat_2(2), 0), kOperator);
+  harbour.sail(1);
+  CHECK(harbour.boats[1].state == State::kHold);
+}
+
 TEST_CASE("a leader that the next table leaves out is replaced at once if it stops before") {
   Harbour harbour = taken_over();
   harbour.hear(1, message_of(without_boat_2(2), 10'000), kOperator);
@@ -244,14 +313,32 @@ TEST_CASE("a leader that the next table leaves out is replaced at once if it sto
   CHECK(harbour.boats[2].state == State::kAuto);
 }
 
-TEST_CASE("a leader that restarts is replaced within a second, not believed for four") {
+TEST_CASE("a restart of the leader is a failure, noticed at once, and no operator's order") {
+  for (const bool is_lost : {false, true}) {  // its first beacon, without a table
+    CAPTURE(is_lost);
+    Harbour harbour = under_way();
+    harbour.sail(30);  // its beacons have higher numbers by now
+    harbour.boats[0].fleet = {};
+    harbour.boats[0].state = State::kDisarmed;
+    harbour.boats[0].stopped = true;
+    if (is_lost) harbour.cut_off(0);
+    harbour.sail(0.3);
+    harbour.reach(0);
+    harbour.sail(is_lost ? 3.9 : 1.2);
+    CHECK(harbour.boats[1].state == State::kAuto);
+  }
+}
+
+TEST_CASE("a late beacon from before a boat got its table changes nothing") {
   Harbour harbour = under_way();
-  harbour.sail(20);  // its beacons have numbers by now
-  harbour.boats[0].fleet = {};
-  harbour.boats[0].state = State::kDisarmed;
-  harbour.boats[0].stopped = true;
-  harbour.sail(1.5);
-  CHECK(harbour.boats[1].state == State::kAuto);  // a restart is a failure, and no operator's order
+  link::FleetBeacon late{};
+  late.sequence = 1;
+  for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, late, {1, 1});
+  for (const std::size_t who : {0U, 2U, 3U}) harbour.hear(who, late, {2, 1});
+  harbour.sail(2);
+  CHECK(harbour.boats[0].state == State::kAuto);
+  CHECK(harbour.boats[1].state == State::kFormation);
+  CHECK(harbour.leader_of(2) == 2);
 }
 
 TEST_CASE("a boat that was never fit leaves the tree of a fleet under way, until it is") {

@@ -95,9 +95,13 @@ void settle(Vessel& v, std::size_t rank, Bug bug) {
     if (bug == Bug::kNeverYields && v.rule.leads()) {
       for (FleetPeer& peer : peers) peer.leads = false;
     }
-    const FleetSelf self{
-        rank,  v.epoch, v.mode == Mode::kFollows, v.mode != Mode::kHold, v.mode == Mode::kAlone,
-        false, false};
+    const bool alone = v.mode == Mode::kAlone;
+    const FleetSelf self{.rank = rank,
+                         .epoch = v.epoch,
+                         .fit = v.mode == Mode::kFollows,
+                         .drives = v.mode != Mode::kHold,
+                         .alone = alone,
+                         .ordered = alone};
     switch (v.rule.step(table_at(v.epoch), self, peers)) {
       case FleetOrder::kNone:
         break;
