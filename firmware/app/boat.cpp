@@ -72,25 +72,27 @@ bool Boat<S>::is_namesakes_rc(std::size_t link) const {
   return rc && received_.from.system == vehicle_.self().system && pilot_.own_is_elsewhere(link);
 }
 
-/// Accepts the time only from the own system: signed, or on a link without signing (the unit's
-/// cable).
+/// Accepts the time only from the own system, on its navigation unit's link: signed, or on a link
+/// without signing (the unit's cable). And only if three in a row agree: the time of signatures
+/// never goes back, so one wrong time would outlast the right ones.
 template <class S>
 void Boat<S>::learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us) {
-  if (received_.from.system != vehicle_.self().system) return;
+  if (received_.from.system != vehicle_.self().system || pilot_.own_is_elsewhere(link)) return;
   if (!received_.is_signed && links_.policy(link) != SigningPolicy::kOff) return;
   const auto unix_us = static_cast<std::int64_t>(
       std::min<std::uint64_t>(time.time_unix_usec, MonotonicClock::kLatest_us));
   if (link::signing_time(unix_us) == 0) return;
-  learnt_unix_us_ = unix_us - now_us;
+  learnt_time_.hear(unix_us - now_us);
   set_clock();
 }
 
 template <class S>
 void Boat<S>::set_clock() {
   const bool set = host_.clock_is_set && host_.unix_us > 0;
-  if (!set && learnt_unix_us_) host_.unix_us = *learnt_unix_us_ + now_us();
+  const auto zero_us = learnt_time_.zero_us();
+  if (!set && zero_us) host_.unix_us = *zero_us + now_us();
   if (host_.unix_us == 0) return;
-  links_.signing().set_clock(link::signing_time(host_.unix_us), set || learnt_unix_us_);
+  links_.signing().set_clock(link::signing_time(host_.unix_us), set || zero_us);
 }
 
 /// The rest of an incomplete message will not arrive; the bytes after its start may hold another

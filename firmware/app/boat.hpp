@@ -13,6 +13,7 @@
 #include "app/conditions.hpp"
 #include "app/guidance/pilot.hpp"
 #include "app/learner.hpp"
+#include "app/learnt_time.hpp"
 #include "app/membership.hpp"
 #include "app/monotonic_clock.hpp"
 #include "app/operator/storage.hpp"
@@ -187,7 +188,7 @@ class Boat {
   typename Thrusters<S>::Output thrust_{};
   CanNode can_;
   HostReport host_;
-  std::optional<std::int64_t> learnt_unix_us_;  // Unix time at which the boat's clock was 0
+  LearntTime learnt_time_;
   link::Counters counters_;
   link::Received received_;  // reused: constructing one for each message would zero all of it
 

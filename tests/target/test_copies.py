@@ -99,7 +99,11 @@ def pushed(ticks: Sequence[Tick]) -> bool:
     return any(any(tick.commands) for tick in ticks)
 
 
-def test_late_copies_of_the_sticks_drive_nothing() -> None:
+SECOND = Station(GCS - 1, GCS_COMPONENT)
+
+
+@pytest.mark.parametrize("second", [False, True], ids=["one operator", "two"])
+def test_late_copies_of_the_sticks_drive_nothing(second: bool) -> None:
     sea = Sea(links=2)
     enter_manual(sea)
     late = []
@@ -110,6 +114,8 @@ def test_late_copies_of_the_sticks_drive_nothing() -> None:
     drive(sea, 0, seconds=0.5)
     for wire in late:
         say(sea, sticks(0, 0))
+        if second:
+            sea.say(sticks(0, 0), sender=SECOND)
         sea.step()
         sea.boat.on_mavlink(wire, sea.now_us, RADIO)
         assert not pushed(sea.run(0.04))

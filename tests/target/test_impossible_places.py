@@ -80,6 +80,19 @@ def test_leader_that_follows_this_boat_is_not_followed() -> None:
     assert_refused(sea, RING)
 
 
+def test_leader_is_heard_among_many_boats_that_sail_alone() -> None:
+    sea = hold()
+    for number in range(60):
+        for system in range(201, 206):
+            alone = reference(sea, [], root=system)
+            alone.maker, alone.sequence = system, number
+            sea.say(alone, sender=Station(system, LEADER_COMPONENT))
+        ring = reference(sea, [OTHER, BOAT])
+        sea.say(ring, sender=Station(LEADER, LEADER_COMPONENT))
+        sea.run(0.1)
+    assert_refused(sea, RING)
+
+
 def test_ring_that_closes_under_way_ends_in_hold() -> None:
     sea = hold()
     sea.mode(FORMATION)

@@ -376,7 +376,8 @@ def test_without_a_clock_a_boat_obeys_and_learns_the_time_from_its_navigation_un
     sea = Sailor(clock_is_set=False)
     ahead = signer(at=NOW + YEAR)
     assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
-    sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)  # by cable, link 0
+    for _ in range(3):
+        sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)  # by cable, link 0
     sea.settle()
     assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
     assert sea.moved(signer(at=NOW, system=66).pack(order())) == (False, {"replayed": 1})
@@ -394,7 +395,8 @@ def test_a_stranger_does_not_set_the_clock(sender: Station) -> None:
     sea = Sailor(clock_is_set=False)
     sea.boat.set_signing(0, "accept" if sender is UNIT else "off")
     for link_id, unix_s in enumerate((0, NOW_S + 365 * 86_400)):
-        sea.say(system_time(unix_s), sender=sender)
+        for _ in range(3):
+            sea.say(system_time(unix_s), sender=sender)
         sea.settle()
         old = signer(at=NOW - DAY, system=66, link_id=link_id)
         assert sea.moved(old.pack(order())) == (True, {"signed": 1})  # it is still not judged
@@ -402,9 +404,22 @@ def test_a_stranger_does_not_set_the_clock(sender: Station) -> None:
 
 def test_the_clock_of_a_host_that_has_one_is_not_the_navigation_units() -> None:
     sea = Sailor()
-    sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)
+    for _ in range(3):
+        sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)
     sea.settle()
     assert sea.obeys_the_operator()
+
+
+def test_times_that_disagree_do_not_set_the_clock() -> None:
+    """Signatures' times never go back: one from tomorrow would silence the boat for a day."""
+    sea = Sailor(clock_is_set=False)
+    for _ in range(5):
+        for unix_s in (NOW_S + 86_400, NOW_S + 365 * 86_400):
+            sea.say(system_time(unix_s), sender=UNIT)
+            sea.settle()
+    said = [message for tick in sea.run(2.0) for message in tick.messages(1)]
+    stamps = [int.from_bytes(message.get_msgbuf()[-12:-6], "little") for message in said]
+    assert stamps and all(stamp < NOW + DAY / 2 for stamp in stamps)
 
 
 def test_arming_reports_links_and_clocks_that_weaken_signing() -> None:

@@ -61,7 +61,7 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
                         link::Counters& counters) {
   if (!on_ || from.system == place_.own().system) return;
   const bool leads = from.system == place_.own().leader;
-  const std::size_t rank = leads ? 0 : length_of(m.path);
+  const std::size_t rank = leads ? 0 : 1 + length_of(m.path);
   const auto stamp = clocks_.heard(from, static_cast<std::uint8_t>(rank), m.time_boot_ms, now_us);
   if (!stamp) return;
   const std::int64_t age_us = std::int64_t{m.age_ms} * 1000;

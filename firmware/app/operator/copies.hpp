@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "link/mavlink/messages.hpp"
 
@@ -54,22 +55,28 @@ class Copies {
 
 /// A stream of a sender (sticks, setpoints) counts on one link, and on another one only after 5 s of
 /// silence. Else late copies would alternate with newer messages. Too frequent to be noted singly.
+/// Knows the last two senders: one operator often takes over from another.
 class StreamLink {
  public:
   [[gnu::noinline]] bool takes(link::Address from, std::size_t link, std::int64_t now_us) {
     constexpr std::uint32_t kSilent_ms = 5000;
     const auto ms = static_cast<std::uint32_t>(now_us / 1000);
-    if (from == from_ && link != link_ && ms - ms_ < kSilent_ms) return false;
-    ms_ = ms;
-    from_ = from;
-    link_ = static_cast<std::uint8_t>(link);
+    const bool last = from == senders_[0].from;
+    if (!last) std::swap(senders_[0], senders_[1]);
+    Sender& sender = senders_[0];
+    const bool known = from == sender.from;
+    if (known && link != sender.link && ms - sender.ms < kSilent_ms) return false;
+    sender = {ms, from, static_cast<std::uint8_t>(link)};
     return true;
   }
 
  private:
-  std::uint32_t ms_ = 0;
-  link::Address from_{};
-  std::uint8_t link_ = 0;
+  struct Sender {
+    std::uint32_t ms = 0;
+    link::Address from{};
+    std::uint8_t link = 0;
+  };
+  std::array<Sender, 2> senders_{};
 };
 
 }  // namespace flotilla::app

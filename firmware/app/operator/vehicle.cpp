@@ -131,7 +131,7 @@ void Vehicle::keep(std::size_t link, const link::Received& received, const Reque
                                static_cast<std::uint8_t>(link),
                                may_command(received.from)};
   const bool copy = Setpoints::is_one(received.id)
-                        ? !setpoint_link_.takes(received.from, link, now_us)
+                        ? pending.may_command && !setpoint_link_.takes(received.from, link, now_us)
                         : could_undo(request) &&
                               copies_.note_and_match(received, links_.frame(link), link, now_us);
   if (!copy || stops(pending)) inbox_.push(pending, counters);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// The time of day as the navigation unit reports it, for hosts without a clock of their own.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+namespace flotilla::app {
+
+class LearntTime {
+ public:
+  /// Unix time at which the boat's clock was 0, by one report.
+  void hear(std::int64_t zero_us) {
+    constexpr std::int64_t kClose_us = 500'000;  // a clock that stands still misses this
+    const std::int64_t apart_us = zero_us - heard_us_;
+    const bool agrees = -kClose_us < apart_us && apart_us < kClose_us;
+    agreeing_ = agrees ? std::min(agreeing_ + 1, kEnough) : 1;
+    heard_us_ = zero_us;
+    if (agreeing_ == kEnough) zero_us_ = zero_us;
+  }
+
+  /// The same, by the last report that agreed with the two before it.
+  std::optional<std::int64_t> zero_us() const { return zero_us_; }
+
+ private:
+  static constexpr int kEnough = 3;
+
+  std::int64_t heard_us_ = 0;
+  int agreeing_ = 0;
+  std::optional<std::int64_t> zero_us_;
+};
+
+}  // namespace flotilla::app
