@@ -12,6 +12,9 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kShipForgotten_us = 30'000'000;
+// A vessel whose states all seem late is believed again after this: its clock may have been set
+// back, or one wrong stamp may have been ahead. Its place, even if it is old, is better than none.
+constexpr std::int64_t kHidden_us = 60'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
 constexpr std::uint32_t kLastSystem = 255;
@@ -183,9 +186,8 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   return vessel;
 }
 
-/// Dates a state; true if it is the newest, and young enough. If no such state came for 3 s, the
-/// next one counts as timely, whatever its stamp: the clock may have been set back, one wrong stamp
-/// may have been ahead, or a fast link may have failed. An old place is better than none.
+/// Dates a state; true if it is the newest, and young enough. An earlier stamp belongs to an
+/// overtaken message or, if no other state came for 3 s, perhaps to a clock that was restarted.
 bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
   if (vessel.id > kLastSystem) {  // stamped by our clock
     if (vessel.dated && stamp_us < vessel.true_us) return false;
@@ -196,7 +198,9 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
   if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
   const std::int64_t last_us = vessel.true_us - vessel.ahead_us;
   const std::int64_t arrived_us = now_us - stamp_us, silent_us = now_us - vessel.true_us;
-  if (!vessel.dated || silent_us > kForgotten_us) {
+  const bool restarted = silent_us > kForgotten_us &&
+                         (silent_us > kHidden_us || is_restart(stamp_us, last_us, silent_us));
+  if (!vessel.dated || restarted) {
     vessel.ahead_us = arrived_us;
   } else {
     const std::int64_t ahead_us =
