@@ -72,9 +72,9 @@ bool Boat<S>::is_namesakes_rc(std::size_t link) const {
   return rc && received_.from.system == vehicle_.self().system && pilot_.own_is_elsewhere(link);
 }
 
-/// Accepts the time only from the own system, on its navigation unit's link: signed, or on a link
-/// without signing (the unit's cable). And only if three in a row agree: the time of signatures
-/// never goes back, so one wrong time would outlast the right ones.
+/// Accepts the time only from the boat's own system, on its navigation unit's link, and only signed
+/// unless that link is without signing (the unit's cable). Three times in a row must agree: the
+/// time of signatures never goes back, so one wrong time would outlast the right ones.
 template <class S>
 void Boat<S>::learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us) {
   if (received_.from.system != vehicle_.self().system || pilot_.own_is_elsewhere(link)) return;

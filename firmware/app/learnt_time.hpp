@@ -10,9 +10,9 @@ namespace flotilla::app {
 
 class LearntTime {
  public:
-  /// Unix time at which the boat's clock was 0, by one report.
+  /// Unix time at which the boat's clock was 0, according to one report.
   void hear(std::int64_t zero_us) {
-    constexpr std::int64_t kClose_us = 500'000;  // a clock that stands still misses this
+    constexpr std::int64_t kClose_us = 500'000;  // a clock that stands still is farther off
     const std::int64_t apart_us = zero_us - heard_us_;
     const bool agrees = -kClose_us < apart_us && apart_us < kClose_us;
     agreeing_ = agrees ? std::min(agreeing_ + 1, kEnough) : 1;
@@ -20,7 +20,7 @@ class LearntTime {
     if (agreeing_ == kEnough) zero_us_ = zero_us;
   }
 
-  /// The same, by the last report that agreed with the two before it.
+  /// The same, according to the last report that agreed with the two before it.
   std::optional<std::int64_t> zero_us() const { return zero_us_; }
 
  private:

@@ -48,8 +48,8 @@ bool Membership::obey(FleetOrder order) {
   return true;
 }
 
-/// Continues the fleet's plan from the last leader's item, or waits there: if the fleet does not
-/// sail its plan now, or this boat has another one.
+/// Takes the last leader's item if this boat has the fleet's plan, and continues the plan there if
+/// the fleet sails it now. Otherwise the boat waits in LOITER.
 void Membership::lead() {
   MissionService& missions = vehicle_.missions();
   const std::uint32_t plan_id = fleet().last_plan_id();

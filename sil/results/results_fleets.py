@@ -56,7 +56,7 @@ class Case:
     """A scenario at the settings of its claim, with overrides, and its purpose.
 
     `most`: the greatest figures allowed, by `claims.Bound.key`. `seeds`: with many, a figure is
-    that percentile of the runs which `share` names; 1: the worst run's. `by_depth`: the page also
+    the one that `share` of the runs do not exceed; 1: the worst run's. `by_depth`: the page also
     shows the distances from the slots by depth.
     """
 

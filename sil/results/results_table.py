@@ -117,7 +117,7 @@ def percentile(
 
 
 def decisive(runs: Sequence[Outcome], bound: Bound, share: float = PERCENTILE) -> Outcome:
-    """The run whose figure is that percentile; none of `runs` failed."""
+    """The run whose figure `percentile` gives; none of `runs` failed."""
     ordered = sorted(runs, key=lambda run: _figure(run, bound))
     return ordered[math.ceil(share * (len(ordered) - 1))]
 

@@ -62,7 +62,7 @@ def test_silence_of_arming_status_has_the_same_effect_as_on_single_boats(
 def test_commands_of_any_length_have_the_same_effect_as_on_single_boats(
     length: int, commands: int
 ) -> None:
-    """Each command has 14 bits, here 3123 or 38 % of 8191; a message has at most 20."""
+    """Each command has 14 bits, here 3123 or 38 % of 8191; a message has at most 20 commands."""
     twins = in_formation()
     reports(twins)
     twins.t_us += 4 * H_US  # the ESCs report before the boat's next command

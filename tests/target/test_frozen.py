@@ -24,7 +24,7 @@ def sailing(own_period_us: int = 50_000) -> Afloat:
 
 
 def freeze(sea: Sea, who: str, **changed: float) -> None:
-    """Repeat the sender's state, so changed, from now on, with new time stamps."""
+    """From now on, repeat the sender's last state, `changed`, with new time stamps."""
     agent = getattr(sea, who)
     last = replace(agent.measured(agent.next_us - agent.period_us), **changed)
     agent.measured = lambda _now_us: last

@@ -411,7 +411,7 @@ def test_the_clock_of_a_host_that_has_one_is_not_the_navigation_units() -> None:
 
 
 def test_times_that_disagree_do_not_set_the_clock() -> None:
-    """Signatures' times never go back: one from tomorrow would silence the boat for a day."""
+    """The time of signatures never goes back: tomorrow's would silence the boat for a day."""
     sea = Sailor(clock_is_set=False)
     for _ in range(5):
         for unix_s in (NOW_S + 86_400, NOW_S + 365 * 86_400):

@@ -76,7 +76,7 @@ def records_of(fleet: Any) -> list[Record]:
 
 
 def parsed(data: bytes) -> list[Record]:
-    """The records in what `take_records` returned."""
+    """The records in the bytes that `take_records` returned."""
     at, records = 0, []
     while at < len(data):
         t_us, port, length = _HEAD.unpack_from(data, at)
@@ -104,7 +104,7 @@ def frames(records: list[Record], agent: int, *, to_boat: bool) -> list[tuple[in
 
 
 def reports(twins: Twins) -> list[EscStatus]:
-    """Compare; what the ESCs of the first boat have reported since the last comparison."""
+    """Compare the twins; the reports of the first boat's ESCs since the last comparison."""
     receiver = Receiver({message_subject(ESC_STATUS): ESC_STATUS})
     agent = twins.numbers[twins.boats[0]]
     on_bus = frames(parsed(twins.compare()), agent, to_boat=True)

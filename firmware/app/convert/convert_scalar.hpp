@@ -80,7 +80,7 @@ template <std::floating_point S>
 double number(S x) {
   return double{x};
 }
-/// A call: the compiler takes the library's conversion for one instruction, and would copy it.
+/// Not inlined: the compiler counts the library's conversion as one instruction, and would copy it.
 [[gnu::noinline]] inline double number(core::Q16 x) {
   constexpr std::uint64_t kHalvings = std::uint64_t{16} << 52U;  // subtracts 16 from the exponent
   const double raw = x.raw();

@@ -39,7 +39,8 @@ constexpr double root(double x) {
   return y;
 }
 
-/// A call: the compiler takes the library's products for single instructions, and would copy it.
+/// Not inlined: the compiler counts each of the library's products as one instruction, and would
+/// copy them.
 [[gnu::noinline]] constexpr double hypot(double x, double y) { return root(x * x + y * y); }
 
 struct SinCos {

@@ -172,7 +172,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   const bool relayed = peer.hears == leader;
   peers_.take(*now_rank, beacon, ledger_, now_us);
   const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
-  // Its first beacon after the leader's stop names no leader any more.
+  // After the leader's stop, the member's first beacon no longer names a leader.
   const bool ends = relayed && beacon.plan_id == 0;
   const bool relays = unheard && peer.fit && (peer.hears == leader || ends);
   const bool by_leader = peer.leads || (beacon.flags & FleetPeers::kEnds) != 0;
@@ -195,8 +195,8 @@ void Fleet::begin(const Configuration::Formation& own, core::State state, std::i
   peers_.begin(table, before, now_us);
   by_parameters_ = own;
   const bool obeyed = !std::exchange(by_hand_, false) && before.rank_of(system_).has_value();
-  // Without a slot in the table a follower must not sail to the one of its parameters, and no
-  // operator has ordered a boat that took over to sail alone.
+  // Without a slot in the table, a follower must not sail to the slot of its parameters, and a boat
+  // that took over must not sail on alone, because no operator has ordered this.
   const bool sails_by_table =
       core::follows(state) || (core::sails_alone(state) && succession_.sails_by_rule());
   if (obeyed && !table.rank_of(system_) && sails_by_table) stops_ = true;
@@ -328,7 +328,7 @@ void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t n
 }
 
 std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
-  // A leader that the next table leaves out still leads until then.
+  // A leader that the next table leaves out still leads until that table comes into force.
   const bool member = is_of(ledger_.newest(), system_) || rank_in(ledger_.current(), system_);
   const bool speaks = ledger_.newest().epoch != 0 ? member : asks_;
   if (!speaks || now_us < beacon_us_) return std::nullopt;

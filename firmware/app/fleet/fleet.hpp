@@ -75,11 +75,11 @@ class Fleet {
   /// The shape changes: places move, or boats still settle in them.
   bool moves(std::int64_t now_us) const { return paths_.moves(now_us); }
 
-  /// Plan and item that the last leader reported; no plan if it sailed none, had paused it, or was
-  /// stopped by an operator.
+  /// Plan and item that the last leader reported; no plan if it sailed none, had paused its plan,
+  /// or was stopped by an operator.
   const FleetPlace& place() const { return place_; }
 
-  /// The plan that the fleet sailed last; the place's item is one of it. 0: none.
+  /// Id of the plan that the fleet sailed last, to which the item of place() belongs; 0: none.
   std::uint32_t last_plan_id() const { return plan_id_; }
 
   /// Messages that are due.

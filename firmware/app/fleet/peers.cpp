@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kAhead_ms = 10'000;
 // Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
-constexpr int kFar = 20;  // more beacons than a boat sends in that time
+constexpr int kFar = 20;  // more beacons than a boat sends in kOvertaken_ds
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
@@ -57,7 +57,7 @@ bool FleetPeers::hear(std::size_t rank, const link::Received& received, bool onl
 }
 
 /// Records the beacon's number; false if a newer one arrived first, on a faster link. A boat that
-/// has restarted begins its numbers anew, without a table, far from its last one.
+/// has restarted has no table, and begins its numbers anew, far from its last one.
 bool FleetPeers::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
   const std::uint16_t now_ds = deciseconds(now_us);

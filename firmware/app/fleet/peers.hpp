@@ -15,8 +15,8 @@ namespace flotilla::app {
 /// Members are named by their ranks in the table in force.
 class FleetPeers {
  public:
-  /// Flags of FLEET_BEACON. From bit kHears on, five bits: rank, from 1, of the leader that is
-  /// heard. kEnds: an operator has stopped the boat, and with it the plan that it led.
+  /// Flags of FLEET_BEACON. Five bits from kHears on: rank, from 1, of the leader that the sender
+  /// hears. kEnds: an operator has stopped the boat, and with it the plan that it led.
   static constexpr std::uint8_t kFit = 1, kLeads = 2, kEnds = 128;
   static constexpr unsigned kHears = 2;
 

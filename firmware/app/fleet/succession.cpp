@@ -66,8 +66,8 @@ FleetOrder Succession::step(const FleetTable& table, const FleetSelf& self,
   return order(self);
 }
 
-/// Once the fleet is under way, a member that is not fit has failed: for good if it was fit under
-/// this table, else until it is.
+/// Once the fleet is under way, a member that neither is fit nor leads has failed: until the next
+/// table if it was fit under this one, otherwise until it is fit.
 void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
   for (std::size_t rank = 0; rank < peers.size(); ++rank) {
     if (rank == own) continue;

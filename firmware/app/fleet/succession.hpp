@@ -47,14 +47,14 @@ enum class FleetOrder : std::uint8_t {
 /// is none, the first fit member that can lead takes over, but only once the fleet is under way:
 /// after a member has led it. If a boat has stopped since, or was ordered to follow instead of
 /// leading, the fleet counts as under way for it only when a member leads again. The table's root
-/// also leads in LOITER and RTL if it was there before the fleet was under way.
+/// also leads in LOITER and RTL if it was in that mode before the fleet was under way.
 ///
 /// A mode that an operator sets stays, with two exceptions: AUTO and GUIDED end if a better leader
 /// appears, and every mode without a leader ends if the table no longer lets the boat lead. A leader
 /// that its operator steers by MANUAL goes on leading.
 ///
-/// A failed member leaves the tree until the next table, or, if it has not been fit under this one,
-/// until it is: its followers attach to its leader. It may still follow.
+/// A failed member leaves the tree until the next table or, if it has not been fit under this one,
+/// until it is fit. Its followers attach to its leader; it may itself still follow.
 ///
 /// A leader that other members hear also counts if this boat does not hear it. The boat then
 /// follows one of them that follows the leader itself. That member must have reported this since
@@ -74,7 +74,7 @@ class Succession {
 
   bool leads() const { return leads_; }
 
-  /// If it sails without a leader: because a leader failed, not by an operator's order.
+  /// If it sails without a leader: whether a leader's failure, not an operator, has caused this.
   bool sails_by_rule() const { return by_rule_; }
 
   /// Rank of the fleet's leader, possibly this boat's own; kNobody: none is known.
@@ -104,13 +104,14 @@ class Succession {
 
   bool leads_ = false;
   bool taking_ = false;    // takes over, but is not yet in the leader's mode
-  bool by_rule_ = false;   // its mode without a leader was begun by this class
+  bool by_rule_ = false;   // this class began its mode without a leader
   bool yielding_ = false;  // yields, but is not yet in FORMATION
   bool under_way_ = false;
   bool stopping_ = false;
   std::size_t leader_ = kNobody;
   std::optional<std::size_t> followed_;
-  // Bit masks by rank. out_: has left the tree; without was_fit_, until it is fit.
+  // Bit masks by rank. out_: has left the tree, until the next table or, without was_fit_, until it
+  // is fit.
   std::uint32_t was_fit_ = 0, out_ = 0;
 };
 

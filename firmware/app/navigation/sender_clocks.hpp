@@ -26,7 +26,7 @@ class SenderClocks {
   };
 
   /// A message of that sender has arrived; nothing if there is no room for its clock. Rank: depth in
-  /// the tree, from 1; 0, the leader, always finds room.
+  /// the tree, from 1; 0 is the leader, whose clock always finds room.
   std::optional<Stamp> heard(link::Address from, std::uint8_t rank, std::uint32_t time_boot_ms,
                              std::int64_t now_us);
 

@@ -54,8 +54,8 @@ class Copies {
 };
 
 /// A stream of a sender (sticks, setpoints) counts on one link, and on another one only after 5 s of
-/// silence. Else late copies would alternate with newer messages. Too frequent to be noted singly.
-/// Knows the last two senders: one operator often takes over from another.
+/// silence: otherwise late copies would alternate with newer messages, which are too frequent to
+/// note each one. Remembers the last two senders: one operator often takes over from another.
 class StreamLink {
  public:
   [[gnu::noinline]] bool takes(link::Address from, std::size_t link, std::int64_t now_us) {

@@ -20,7 +20,7 @@ using core::State;
 // Bytes of a tick's 1400 to keep free for heartbeat, state and 24 answers.
 constexpr std::size_t kKeptRoom = 1000;
 
-/// The request in a message that the next tick must answer; std::monostate if there is none.
+/// A message's request, which the next tick must answer; std::monostate if it has none.
 struct RequestOf {
   const link::FtpServer& ftp;
 

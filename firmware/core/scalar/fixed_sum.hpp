@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sums of 32-bit integers that saturate, and whether one did. A Cortex-M4 has instructions for
-// them, which set its flag Q: half as long as a check for overflow, and a law has some 600 sums.
+// Saturating sums of 32-bit integers, and whether one has saturated. A Cortex-M4 has instructions
+// for such sums, which set its flag Q. They take half as much code as a check for overflow, and a
+// law has some 600 sums.
 #pragma once
 
 #include <cstdint>
@@ -19,20 +20,20 @@ inline bool q16_overflow = false;
 
 namespace fixed {
 
-#if defined(__ARM_FEATURE_QBIT) && !defined(__linux__)  // where no library sets the flag, too
+#if defined(__ARM_FEATURE_QBIT) && !defined(__linux__)  // on Linux a library might set the flag too
 constexpr bool kSaturates = true;
 #else
 constexpr bool kSaturates = false;
 #endif
 
-/// The end of the range on that side; sets q16_overflow. A call is shorter than the same in place.
+/// The end of the range on that side; sets q16_overflow. A call is shorter than inline code.
 [[gnu::cold, gnu::noinline]] inline std::int32_t end(bool negative) {
   q16_overflow = true;
   return negative ? std::numeric_limits<std::int32_t>::min()
                   : std::numeric_limits<std::int32_t>::max();
 }
 
-/// Whether the compiler computes the sum of these itself.
+/// Whether the compiler knows both numbers, and computes their sum itself.
 [[gnu::always_inline]] constexpr bool are_known(std::int32_t a, std::int32_t b) {
   return std::is_constant_evaluated() || (__builtin_constant_p(a) && __builtin_constant_p(b));
 }
@@ -60,7 +61,7 @@ constexpr bool kSaturates = false;
 }
 
 /// Whether the processor has saturated a sum since the last call. Nothing else may set its flag:
-/// tests/cortex_m looks for other instructions that would.
+/// tests/cortex_m checks that the image has no other instructions that do.
 inline bool take_saturation() {
   std::uint32_t flags = 0;
   if constexpr (kSaturates) {

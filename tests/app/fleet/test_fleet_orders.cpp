@@ -273,7 +273,7 @@ TEST_CASE("a leader that a new table no longer lets lead follows the next one") 
   CHECK(harbour.leader_of(0) == 2);
 }
 
-/// The table without boat 2, which boats 3 and 4 follow boat 1 in.
+/// A table without boat 2, in which boats 3 and 4 follow boat 1.
 FleetTable without_boat_2(std::uint16_t epoch) {
   FleetTable table = table_of_four(epoch);
   table.members[1] = table.members[2];
@@ -314,7 +314,7 @@ TEST_CASE("a leader that the next table leaves out is replaced at once if it sto
 }
 
 TEST_CASE("a restart of the leader is a failure, noticed at once, and no operator's order") {
-  for (const bool is_lost : {false, true}) {  // its first beacon, without a table
+  for (const bool is_lost : {false, true}) {  // the first beacon after the restart, without a table
     CAPTURE(is_lost);
     Harbour harbour = under_way();
     harbour.sail(30);  // its beacons have higher numbers by now

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy  # signal is imported on first use: it takes half a second of each collection
+import scipy  # imports signal on first use, which would add half a second to each collection
 
 from sil.identify.equations import Point, Problem, _perturbed, places_of
 from sil.identify.hull_terms import GUSTS, INDEX, LOCAL

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-import scipy  # signal is imported on first use: it takes half a second of each collection
+import scipy  # imports signal on first use, which would add half a second to each collection
 
 from sil.plant.hull import Array
 from sil.plant.wind import Gusts, Wind, Windage

@@ -267,5 +267,5 @@ def test_fleets_are_judged_and_renew_their_table_and_no_other(
 def test_case_of_fleets_is_a_scenario_that_can_be_sailed(case: results_fleets.Case) -> None:
     settings = CLAIMS[case.scenario].settings("product")
     chosen = scenario.load(case.scenario, [*settings, *case.overrides], "product")
-    assert chosen.duration_s >= 150.0  # figures are from 100 s on
+    assert chosen.duration_s >= 150.0  # figures count from 100 s on
     assert len(chosen.boat) in (4, 10, 20)

@@ -211,7 +211,7 @@ def watched(browser: Browser, ear: Ear, voyage: Voyage) -> dict[int, dict[str, A
 
 
 def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]], late_s: float) -> None:
-    """Assert that boat 1's log replays the vessels `then`, of a world so late at its worst."""
+    """Assert that boat 1's log replays the vessels `then`, of a world at most `late_s` late."""
     history = history_of_tlog(tlog)
     boat = next(vessel for vessel in history["vessels"] if vessel["id"] == 1)
     away_m = np.hypot(numbers(boat["x_m"]) - then[1]["x_m"], numbers(boat["y_m"]) - then[1]["y_m"])
@@ -224,7 +224,7 @@ def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]], late
         return shown(browser)
 
     same = int(np.nanargmin(away_m))
-    # The page hears all from the world; boat 1 its own state at once, the others' as late as that.
+    # The page hears all from the world; boat 1 knows its own state at once, others late_s later.
     late = [at(same + k) for k in range(-1, 2 + ceil(late_s / 0.1))]
     now = at(same)
     for system, moments in ((1, [now]), (2, late), (100, late)):  # the systems that boat 1 hears

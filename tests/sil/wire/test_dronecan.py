@@ -240,7 +240,7 @@ def test_an_identifier_field_that_does_not_fit_is_refused() -> None:
 def test_random_data_on_our_identifiers_deliver_only_whole_single_frames(
     subject: int, frames: list[tuple[int, bytes, int]]
 ) -> None:
-    """Transfers of several frames need a checksum, which chance does not meet."""
+    """Transfers of several frames need a checksum, which random data do not match."""
     receiver = Receiver(ACCEPTED)
     for bits, data, now_us in frames:
         can_id = subject | bits & 0xFF00007F  # any priority, any source, and bits beyond the 29

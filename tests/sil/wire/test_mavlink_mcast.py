@@ -47,7 +47,7 @@ def test_a_listener_that_was_gone_hears_again_when_it_is_back() -> None:
         mouth.send(b"gone", 0)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.bind(place)
-        mouth.send(b"lost", 0)  # instead, the network reports the last refusal
+        mouth.send(b"lost", 0)  # not sent: the network reports the last refusal
         mouth.send(b"back", 0)
         assert heard(end) == b"back"
     mouth.close()
