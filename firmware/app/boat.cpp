@@ -78,11 +78,13 @@ bool Boat<S>::is_namesakes_rc(std::size_t link) const {
 template <class S>
 void Boat<S>::learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us) {
   if (received_.from.system != vehicle_.self().system || pilot_.own_is_elsewhere(link)) return;
+  const std::uint8_t unit = configuration().navigation.component;  // 0: any
+  if (unit != 0 && received_.from.component != unit) return;
   if (!received_.is_signed && links_.policy(link) != SigningPolicy::kOff) return;
   const auto unix_us = static_cast<std::int64_t>(
       std::min<std::uint64_t>(time.time_unix_usec, MonotonicClock::kLatest_us));
   if (link::signing_time(unix_us) == 0) return;
-  learnt_time_.hear(unix_us - now_us);
+  learnt_time_.hear(unix_us - now_us, now_us);
   set_clock();
 }
 
@@ -166,8 +168,9 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
         outlook_of(pilot_, state() == core::State::kAuto, configuration().plan.fastest_mps),
         now_us);
   }
-  const bool held = state() == core::State::kHold && supervisor_.intended_mode() == mode::kHold;
-  const bool stopped = held || state() == core::State::kDisarmed;
+  const bool rests = state() == core::State::kHold || state() == core::State::kFault;
+  const bool by_order = supervisor_.intended_mode() == mode::kHold;
+  const bool stopped = (rests && by_order) || state() == core::State::kDisarmed;
   const FleetOrder order = fleet_.order(state(), stopped, conditions_, now_us);
   if (order == FleetOrder::kLead) report_last_tick();
   if (fleet_.take_change()) {

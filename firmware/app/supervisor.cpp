@@ -71,7 +71,7 @@ Supervisor::Decision Supervisor::request(Request request, std::int64_t now_us) {
   const core::Verdict verdict = core::supervise(state_, request, conditions_);
   if (verdict.granted) {
     if (request == Request::kManual) intended_mode_ = mode::kManual;
-    if (request == Request::kHold) intended_mode_ = mode::kHold;
+    if (request == Request::kHold || request == Request::kTerminate) intended_mode_ = mode::kHold;
     if (request == Request::kFormation) intended_mode_ = mode::kFormation;
     if (request == Request::kAuto) intended_mode_ = mode::kAuto;
     if (request == Request::kGuided) intended_mode_ = mode::kGuided;

@@ -205,7 +205,7 @@ CLAIMS = {
         "a noisy own state at 20 Hz", 0.03, (_SMOOTH,), defaults=(_STATE, _SLEW, *_THRUST)
     ),
     "late_unit": Claim(
-        "the same, from units that are 0.2 s late, of which the boats know nothing",
+        "the same, from units that are 0.2 s late, which the boats do not know",
         0.03,
         _AS_THE_ROOT[:2],
         defaults=(_STATE, _SLEW, *_THRUST),

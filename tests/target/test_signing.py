@@ -376,8 +376,9 @@ def test_without_a_clock_a_boat_obeys_and_learns_the_time_from_its_navigation_un
     sea = Sailor(clock_is_set=False)
     ahead = signer(at=NOW + YEAR)
     assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
-    for _ in range(3):
-        sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)  # by cable, link 0
+    for second in range(3):
+        sea.say(system_time(NOW_S + 365 * 86_400 + second), sender=UNIT)  # by cable, link 0
+        sea.run(1.0)
     sea.settle()
     assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
     assert sea.moved(signer(at=NOW, system=66).pack(order())) == (False, {"replayed": 1})
@@ -395,8 +396,9 @@ def test_a_stranger_does_not_set_the_clock(sender: Station) -> None:
     sea = Sailor(clock_is_set=False)
     sea.boat.set_signing(0, "accept" if sender is UNIT else "off")
     for link_id, unix_s in enumerate((0, NOW_S + 365 * 86_400)):
-        for _ in range(3):
-            sea.say(system_time(unix_s), sender=sender)
+        for second in range(3):
+            sea.say(system_time(unix_s + second), sender=sender)
+            sea.run(1.0)
         sea.settle()
         old = signer(at=NOW - DAY, system=66, link_id=link_id)
         assert sea.moved(old.pack(order())) == (True, {"signed": 1})  # it is still not judged
@@ -404,19 +406,28 @@ def test_a_stranger_does_not_set_the_clock(sender: Station) -> None:
 
 def test_the_clock_of_a_host_that_has_one_is_not_the_navigation_units() -> None:
     sea = Sailor()
-    for _ in range(3):
-        sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)
+    for second in range(3):
+        sea.say(system_time(NOW_S + 365 * 86_400 + second), sender=UNIT)
+        sea.run(1.0)
     sea.settle()
     assert sea.obeys_the_operator()
 
 
-def test_times_that_disagree_do_not_set_the_clock() -> None:
-    """The time of signatures never goes back: tomorrow's would silence the boat for a day."""
+@pytest.mark.parametrize(
+    ("ahead_s", "every_s"),
+    [
+        (lambda n: 86_400 * (n % 2) + n, 1.0),  # a day apart, by turns
+        (lambda n: 86_400, 0.2),  # stands still
+        (lambda n: 86_400 if n < 3 else -n, 0.1),  # one wrong time, three times
+    ],
+    ids=["disagree", "still", "copies"],
+)
+def test_a_wrong_time_does_not_set_the_clock(ahead_s: Callable[[int], int], every_s: float) -> None:
+    """Signatures' times never go back: one from tomorrow would silence the boat for a day."""
     sea = Sailor(clock_is_set=False)
-    for _ in range(5):
-        for unix_s in (NOW_S + 86_400, NOW_S + 365 * 86_400):
-            sea.say(system_time(unix_s), sender=UNIT)
-            sea.settle()
+    for number in range(10):
+        sea.say(system_time(NOW_S + ahead_s(number)), sender=UNIT)
+        sea.run(every_s)
     said = [message for tick in sea.run(2.0) for message in tick.messages(1)]
     stamps = [int.from_bytes(message.get_msgbuf()[-12:-6], "little") for message in said]
     assert stamps and all(stamp < NOW + DAY / 2 for stamp in stamps)

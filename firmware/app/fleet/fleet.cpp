@@ -174,7 +174,9 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
   // After the leader's stop, the member's first beacon no longer names a leader.
   const bool ends = relayed && beacon.plan_id == 0;
-  const bool relays = unheard && peer.fit && (peer.hears == leader || ends);
+  // A boat that is not fit may report no plan only because it has been stopped itself.
+  const bool knows = peer.fit || beacon.plan_id != 0;
+  const bool relays = unheard && knows && (peer.hears == leader || ends);
   const bool by_leader = peer.leads || (beacon.flags & FleetPeers::kEnds) != 0;
   if ((*now_rank == leader && by_leader) || relays) {
     note_place({beacon.plan_id, beacon.plan_item});
@@ -231,13 +233,13 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
          by_hand_, alone && state != state_, state == core::State::kManual},
         std::span(peers_.all()).first(table->count));
     if (succession_.leads() && order != FleetOrder::kLead) {
-      note_place({state == core::State::kAuto ? report.place.plan_id : 0, report.place.item});
+      // In other modes its own item says nothing about the fleet's plan.
+      note_place(state == core::State::kAuto ? report.place : FleetPlace{0, place_.item});
     }
     const std::size_t leader = succession_.leader();
     const bool tells_no_plan = leader < table->count && table->members[leader].only_leads;
     const bool waits = order == FleetOrder::kLead && !is_most(*table, *rank, peers_.all());
-    if (waits || report.stopped) place_.plan_id = 0;
-    if (tells_no_plan) place_ = {};
+    if (tells_no_plan || waits || report.stopped) place_.plan_id = 0;
     next = by_hand_ ? std::nullopt : attachment(*rank, now_us);
     if (next && leader < table->count) slot_motion = paths_.motion(*rank, leader, now_us);
   } else {

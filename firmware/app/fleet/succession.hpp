@@ -49,9 +49,9 @@ enum class FleetOrder : std::uint8_t {
 /// leading, the fleet counts as under way for it only when a member leads again. The table's root
 /// also leads in LOITER and RTL if it was in that mode before the fleet was under way.
 ///
-/// A mode that an operator sets stays, with two exceptions: AUTO and GUIDED end if a better leader
-/// appears, and every mode without a leader ends if the table no longer lets the boat lead. A leader
-/// that its operator steers by MANUAL goes on leading.
+/// A mode that an operator or a failsafe sets stays, but a leader's AUTO or GUIDED ends if a
+/// better leader appears, and every mode without a leader ends if the table no longer lets the
+/// boat lead. A leader that its operator steers by MANUAL goes on leading.
 ///
 /// A failed member leaves the tree until the next table or, if it has not been fit under this one,
 /// until it is fit. Its followers attach to its leader; it may itself still follow.

@@ -20,7 +20,7 @@ inline bool q16_overflow = false;
 
 namespace fixed {
 
-#if defined(__ARM_FEATURE_QBIT) && !defined(__linux__)  // on Linux a library might set the flag too
+#if defined(__ARM_FEATURE_DSP) && !defined(__linux__)  // on Linux a library might set the flag too
 constexpr bool kSaturates = true;
 #else
 constexpr bool kSaturates = false;

@@ -212,6 +212,32 @@ TEST_CASE("who takes over from a leader that paused knows where the fleet was in
   CHECK(harbour.boats[1].fleet.place().item == 5);
 }
 
+TEST_CASE(
+    "a leader in another mode, or without beacons, does not change the fleet's place in its plan") {
+  for (const bool tablet : {false, true}) {
+    CAPTURE(tablet);
+    Harbour harbour = under_way();
+    harbour.boats[0].place = {77, 9};
+    harbour.sail(3);
+    if (tablet) {
+      tablet_leads(harbour);
+      for (int tenth = 0; tenth < 30; ++tenth) {
+        for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {50, 1});
+        harbour.sail(0.1);
+      }
+    } else {
+      harbour.boats[0].state = State::kGuided;
+      harbour.boats[0].place = {88, 2};
+      harbour.sail(3);
+      harbour.boats[0].on = false;
+    }
+    harbour.sail(3);
+    CHECK(harbour.boats[1].state == State::kLoiter);
+    CHECK(harbour.boats[1].fleet.last_plan_id() == 77);
+    CHECK(harbour.boats[1].fleet.place().item == 9);
+  }
+}
+
 TEST_CASE("a root in LOITER or RTL leads: others take over from it, and none leads beside it") {
   for (const State state : {State::kLoiter, State::kReturn}) {
     CAPTURE(static_cast<int>(state));
