@@ -13,9 +13,10 @@ namespace {
 constexpr std::int64_t kBeacon_us = 1'200'000;
 // A change is sent at once and repeated, because radios lose packets.
 constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
-// While a fit boat has no leader, at most until its coast ends: the next leader waits for a beacon
-// of each member.
+// While a fit boat has no leader, at most until its coast ends, and kLostRepeats times after it has
+// lost a leader that others still hear: the next leader waits for a beacon of each member.
 constexpr std::int64_t kLost_us = 200'000;
+constexpr std::size_t kLostRepeats = 12;
 // A boat without the newest table gets it from the member with the earliest turn.
 constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 // Beyond FS_LEADER_S: by then a follower already coasts.
@@ -321,12 +322,13 @@ void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t n
     now.plan_id = place_.plan_id;
     now.plan_item = place_.item;
   }
+  const bool loses = FleetPeers::heard_of(now.flags) == 0 && FleetPeers::heard_of(told_.flags) != 0;
   const bool urgent = now.flags != told_.flags || now.epoch != told_.epoch ||
                       (now.plan_id == 0) != (told_.plan_id == 0);
   told_ = now;
   if (!urgent) return;
   beacon_us_ = now_us;
-  repeats_ = kRepeats_us.size();
+  repeats_ = loses ? kLostRepeats : std::max(repeats_, kRepeats_us.size());
 }
 
 std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
@@ -337,7 +339,11 @@ std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
   asks_ = false;
   const bool waited_for = succession_.lost() && (told_.flags & FleetPeers::kFit) != 0;
   beacon_us_ = now_us + (waited_for ? kLost_us : kBeacon_us);
-  if (repeats_ > 0) beacon_us_ = now_us + kRepeats_us[kRepeats_us.size() - repeats_--];
+  if (repeats_ > 0) {
+    const std::size_t left = repeats_--;
+    beacon_us_ =
+        now_us + (left > kRepeats_us.size() ? kLost_us : kRepeats_us[kRepeats_us.size() - left]);
+  }
   ++told_.sequence;
   return told_;
 }

@@ -89,7 +89,7 @@ void FleetPeers::take(std::size_t rank, const link::FleetBeacon& beacon, const F
 /// the last report.
 void FleetPeers::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon,
                              const FleetLedger& ledger) {
-  const std::size_t told = (beacon.flags & ~kEnds) >> kHears;
+  const std::size_t told = heard_of(beacon.flags);
   if (told == 0) peer.hears = FleetTable::kMax;
   for (const FleetTable* table : {&ledger.newest(), ledger.current()}) {
     if (table->epoch != beacon.epoch || table->digest != beacon.digest) continue;

@@ -19,6 +19,7 @@ class FleetPeers {
   /// hears. kEnds: an operator has stopped the boat, and with it the plan that it led.
   static constexpr std::uint8_t kFit = 1, kLeads = 2, kEnds = 128;
   static constexpr unsigned kHears = 2;
+  static constexpr std::size_t heard_of(std::uint8_t flags) { return (flags & ~kEnds) >> kHears; }
 
   /// A table comes into force in place of `before`. Members' last beacons stay valid.
   void begin(const FleetTable& table, const FleetTable& before, std::int64_t now_us);

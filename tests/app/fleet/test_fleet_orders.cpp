@@ -378,6 +378,20 @@ TEST_CASE("a boat that was never fit leaves the tree of a fleet under way, until
   CHECK(harbour.leader_of(2) == 2);
 }
 
+TEST_CASE(
+    "a boat that no longer hears the leader, but others do, repeats that for two seconds only") {
+  Harbour harbour = under_way();
+  harbour.boats[1].deaf_to = 1;
+  harbour.sail(1.2);  // FS_LEADER_S and 0.2 s
+  const std::size_t before = harbour.boats[1].bytes;
+  harbour.sail(2.4);
+  const std::size_t soon = harbour.boats[1].bytes;
+  CHECK(soon - before >= 12 * 25);
+  harbour.sail(12);
+  CHECK(harbour.boats[1].bytes - soon <= 12 * 25);
+  CHECK(harbour.boats[1].state == State::kFormation);
+}
+
 TEST_CASE("a boat that yields follows as soon as it can") {
   Harbour harbour = yielding();
   harbour.sail(5);
