@@ -82,8 +82,8 @@ void Alone<S>::sail_errand() {
   pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
-/// Continues the search for a way round. Checks the present leg once a second, because the boat may
-/// be pushed aside.
+/// Continues the search for a way round the forbidden zones. Checks the present leg once a second,
+/// because the boat may be pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
   const Fence& fence = vehicle_.missions().fence();
@@ -162,8 +162,8 @@ core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
     voyage_.begin(missions.plan()[at], missions.id(Stored::kPlan), at, pilot_, configuration());
   }
   if (kSailsVoyages && voyage_.is_on()) return sail_voyage(now, dt);
-  // While the fleet's shape moves, the leader waits for nobody: at rest it would make some slots
-  // move astern.
+  // While the fleet's shape moves, the leader waits for nobody: behind a leader at rest, some slots
+  // would move astern.
   const auto late = now.shape_moves ? std::nullopt : pilot_.reports().late(now.now_us);
   warnings_.tell_waiting(late);
   return pilot_.sail(missions.plan(), vehicle_.orders().is_paused() || late, now.now_us, dt);
@@ -189,7 +189,7 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
   return out;
 }
 
-/// Executes each DO_SET_HOME between the place that was reached and the next place.
+/// Executes each DO_SET_HOME between the item reached and the next item with a place.
 template <class S>
 void Alone<S>::set_home_of_plan(std::size_t reached) {
   const Plan plan = vehicle_.missions().plan();

@@ -20,7 +20,7 @@ namespace flotilla::app {
 template <class S>
 class Alone {
  public:
-  /// The boat's state in a tick. state: one in which the boat sails alone.
+  /// The boat in a tick. state: one in which it sails alone.
   struct Now {
     core::State state;
     core::Conditions conditions;

@@ -64,8 +64,8 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   }
 }
 
-/// A pilot's sticks and their receiver belong to the own unit: on another link they are those of a
-/// vessel with the same system id.
+/// Whether sticks or a receiver's status on this link are those of another vessel with our system
+/// id: our own receiver is on the link of the own unit.
 template <class S>
 bool Boat<S>::is_namesakes_rc(std::size_t link) const {
   const bool rc = received_.id == link::RcChannels::kId || received_.id == link::SysStatus::kId;
@@ -97,8 +97,8 @@ void Boat<S>::set_clock() {
   links_.signing().set_clock(link::signing_time(host_.unix_us), set || zero_us);
 }
 
-/// The rest of an incomplete message will not arrive; the bytes after its start may hold another
-/// message.
+/// Call when the rest of an incomplete message will not arrive; the bytes after its start may hold
+/// another message.
 template <class S>
 void Boat<S>::give_up(std::size_t link, std::int64_t now_us) {
   while (links_.give_up(link, counters_)) take_all(link, now_us);
@@ -159,7 +159,8 @@ void Boat<S>::supervise(std::int64_t now_us) {
   note_state(now_us);
 }
 
-/// The fleet's rule acts before the operators' requests of this tick, so theirs win.
+/// Called before the operators' requests of this tick are answered, so that they override the
+/// fleet's rule.
 template <class S>
 void Boat<S>::consult_fleet(std::int64_t now_us) {
   if (!Membership::kKeepsFleet) return;
@@ -229,7 +230,7 @@ void Boat<S>::apply_conditions(std::int64_t now_us) {
 
 template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
-  // With a stopped clock no data ever become stale, so nothing can be trusted.
+  // While the clock stands still, data never become stale, so nothing can be trusted.
   if (ticks_.clock_stands()) return 0;
   return conditions_of(parts_,
                        {heard_, range_.is_kept(), slot_astern_.is(), alone_.voyage_is_lost(),
@@ -309,7 +310,7 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
   return law_output_.allocation.thrust;
 }
 
-/// By the sticks, or a motor test.
+/// Drives by the sticks, or runs a motor test.
 template <class S>
 void Boat<S>::drive_by_hand() {
   const core::AllocationParams<S>& propellers = pilot_.law().propellers;
@@ -353,7 +354,7 @@ void Boat<S>::steer(std::int64_t now_us) {
   if (range_.has_overflowed()) thrust_ = thrusters_.step(false, desired, dt);
 }
 
-/// From the thrust given since the last tick, and the motion now.
+/// Learns the model's errors from the thrust given since the last tick and the present motion.
 template <class S>
 void Boat<S>::learn(std::int64_t now_us, S dt) {
   if (!core::law_drives(state()) || (conditions_ & core::kOwnFresh) == 0) {

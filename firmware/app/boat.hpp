@@ -89,11 +89,11 @@ class Boat {
     links_.bucket(link).limit(bytes_per_s);
   }
 
-  /// The best message accepted from another sender since the last call. Hosts send only to peers
-  /// whose messages were accepted.
+  /// The best message accepted from another sender since the last call, for hosts that send only to
+  /// peers whose messages were accepted.
   Heard take_heard() { return vehicle_.take_heard(); }
 
-  /// Whether, and why, the host should save the parameters; since the last call.
+  /// Whether, and why, the host should save the parameters; covers the time since the last call.
   SaveRequest take_save_request() { return vehicle_.take_save_request(); }
 
   /// Only for a host that simulates the boat's surroundings: `judge` accepts or rejects the
@@ -126,14 +126,14 @@ class Boat {
   Snapshot snapshot() const;
   core::State state() const { return supervisor_.state(); }
 
-  /// Parts of the snapshot, cheap enough for every tick; now_us() is the boat's monotonic clock.
+  /// Cheap enough for every tick, unlike snapshot(). now_us(): the boat's monotonic clock.
   std::int64_t now_us() const { return clock_.now_us(); }
   core::Conditions conditions() const { return conditions_; }
   const core::Thrust<S>& thrust() const { return thrust_.thrust; }
   const Pilot<S>& pilot() const { return pilot_; }
   const link::Counters& counters() const { return counters_; }
 
-  /// As set; changes that need a restart take effect at the next start.
+  /// The parameters as set; some changes take effect only at the next start.
   const Parameters& parameters() const { return vehicle_.parameters(); }
 
   /// The present MAVLink system and component id.
@@ -190,7 +190,7 @@ class Boat {
   HostReport host_;
   LearntTime learnt_time_;
   link::Counters counters_;
-  link::Received received_;  // reused: constructing one for each message would zero all of it
+  link::Received received_;  // reused: a new one for each message would be zeroed each time
 
   MonotonicClock clock_;
   Ticks ticks_;
@@ -199,7 +199,7 @@ class Boat {
   Learner<S> learner_;
   Warnings<S> warnings_;
   Alone<S> alone_;
-  const Parts<S> parts_;  // of the above
+  const Parts<S> parts_;  // refers to the members above
 };
 
 }  // namespace flotilla::app

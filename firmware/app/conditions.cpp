@@ -64,7 +64,7 @@ void FailsafeLimits::set_home(const convert::GlobalPoint& place) {
   home_ = {place.latitude, place.longitude, altitude};
 }
 
-/// A disarmed boat counts as inside: home is where it will be armed.
+/// A disarmed boat counts as inside, because home will be where it is armed.
 bool FailsafeLimits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
   return !seen.armed ||

@@ -23,15 +23,15 @@ struct Judged {
   bool in_range = false;     ///< no overflow of the law's scalar
   bool slot_astern = false;  ///< following the slot would require sailing astern
   bool voyage_lost = false;
-  bool rally_near = false;  ///< a rally point to which the boat may return is near enough
+  bool rally_near = false;  ///< a rally point is permitted and near enough to return to
 };
 
 /// Whether both ESCs are online and obey, and no other node commands them.
 core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
                                std::int64_t now_us);
 
-/// The operator's limits FS_BATT_V and FS_FENCE_M, which an unknown voltage or position violates,
-/// and the place to return to.
+/// The operator's limits FS_BATT_V and FS_FENCE_M, and the place to return to. An unknown voltage
+/// or position violates its limit.
 class FailsafeLimits {
  public:
   struct Seen {
@@ -56,7 +56,7 @@ class FailsafeLimits {
   /// The first sure position since the start, and since the boat was last armed.
   std::optional<Home> home() const { return home_; }
   bool home_near() const { return home_near_; }
-  /// Home was set after the tick of arming, somewhere else perhaps; true once.
+  /// True once after home was set later than in the tick of arming, perhaps at another place.
   [[nodiscard]] bool take_late_home() { return std::exchange(late_home_, false); }
   void set_home(const convert::GlobalPoint& place);
 
@@ -70,13 +70,13 @@ class FailsafeLimits {
   bool was_armed_ = false;
   bool late_home_ = false;
   bool asks_home_ = true;   // the next sure position becomes home
-  bool home_near_ = false;  // looked at once a second
+  bool home_near_ = false;  // judged once a second
   std::int64_t home_due_us_ = 0;
 };
 
-/// The conditions that depend on messages, frames, the host and parameters alone. Within a tick
+/// The conditions that depend on messages, frames, the host and parameters alone: within a tick
 /// they change only with a parameter. kClear also depends on the boat's place, but is read before
-/// the boat moves in the tick.
+/// its motion advances in the tick.
 template <class S>
 core::Conditions heard_of(const Parts<S>& boat, std::int64_t now_us);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Teaches the monitor of the boat's model: what the propellers gave, and how the boat moved.
+// Feeds the monitor of the boat's model with the propellers' impulses and the boat's motion.
 #pragma once
 
 #include <cstdint>

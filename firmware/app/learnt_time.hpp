@@ -10,10 +10,11 @@ namespace flotilla::app {
 
 class LearntTime {
  public:
-  /// Unix time at which the boat's clock was 0, according to one report.
+  /// Takes a report. zero_us: Unix time at which the boat's clock was 0, according to that report.
   void hear(std::int64_t zero_us, std::int64_t now_us) {
     constexpr std::int64_t kClose_us = 500'000, kApart_us = 900'000;
-    // A clock that stands still is farther off by then; and copies agree with each other.
+    // Reports count only 0.9 s apart: those of a stopped clock then disagree, and copies of one
+    // report do not count as several.
     if (agreeing_ > 0 && now_us - at_us_ < kApart_us) return;
     const std::int64_t apart_us = zero_us - heard_us_;
     const bool agrees = -kClose_us < apart_us && apart_us < kClose_us;

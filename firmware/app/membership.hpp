@@ -34,7 +34,7 @@ class Membership {
   FleetOrder order(core::State state, bool stopped, core::Conditions conditions,
                    std::int64_t now_us);
 
-  /// applied() has changed since the last call.
+  /// Whether applied() has changed since the last call.
   [[nodiscard]] bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
   /// The sender of a message that is to be taken.

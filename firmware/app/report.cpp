@@ -27,7 +27,7 @@ std::optional<double> separation_m(const core::ControllerOutput<S>& law) {
   return known ? std::optional(convert::number(predicted)) : std::nullopt;
 }
 
-/// By the law; nothing while its error is unknown.
+/// The law's errors and limits; nothing while the error from the slot is unknown.
 template <class S>
 std::optional<FormationReport> formation_of(const Parts<S>& boat) {
   if (!error_known(boat)) return std::nullopt;

@@ -8,8 +8,8 @@
 
 namespace flotilla::app {
 
-/// The flag of an overflow is shared by all boats of a thread, so each call of the boat clears it
-/// first and collects it at its end.
+/// All boats of a thread share one overflow flag, so each call of a boat clears it first and
+/// collects it at the end.
 template <class S>
 class ScalarRange {
  public:
@@ -22,17 +22,17 @@ class ScalarRange {
     is_kept_ = is_kept_ && fits_;
   }
 
-  /// Once a tick: judges all that was computed since the last one.
+  /// Call once a tick: judges everything computed since the last call.
   void judge() { is_kept_ = fits_ && !std::exchange(overflow_, false); }
 
-  /// As last judged.
+  /// The result of the last judge().
   bool is_kept() const { return is_kept_; }
 
-  /// An overflow was collected since then.
+  /// Whether an overflow was collected since the last judge().
   bool has_overflowed() const { return overflow_; }
 
  private:
-  bool fits_ = true;  // it holds all parameters
+  bool fits_ = true;  // the scalar can hold all parameters
   bool overflow_ = false;
   bool is_kept_ = true;
 };

@@ -17,7 +17,7 @@ class Schedule {
   explicit Schedule(std::int64_t interval_us, std::int64_t early_us = 0)
       : interval_us_(interval_us), early_us_(early_us) {}
 
-  /// Whether it is due; unlike take_if_due(), does not take the turn.
+  /// Whether a turn is due; unlike take_if_due(), does not take it.
   bool is_due(std::int64_t now_us) const {
     return interval_us_ > 0 && now_us + early_us_ >= next_us_;
   }
@@ -37,7 +37,7 @@ class Schedule {
     return true;
   }
 
-  /// Takes the turn, due or early.
+  /// Takes the turn, whether due or early.
   void take(std::int64_t now_us) {
     const bool on_grid = now_us - next_us_ < interval_us_;
     next_us_ = (on_grid ? next_us_ : now_us) + interval_us_;

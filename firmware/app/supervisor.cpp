@@ -14,7 +14,7 @@ using core::State;
 constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
 constexpr std::int64_t kArmedZeros_us = 200'000;
 
-/// Within a tenth: gamepads do not return to exactly 0.
+/// Within a tenth of neutral: gamepads do not return to exactly 0.
 bool at_neutral(const Sticks& sticks) {
   return std::abs(sticks.surge) <= 0.1 && std::abs(sticks.yaw) <= 0.1;
 }

@@ -66,8 +66,8 @@ class Supervisor {
   /// it is then neither prolonged nor run again.
   bool is_repeated(const MotorTest& test, bool repeated, std::int64_t now_us) const;
 
-  /// Ignored while another operator holds the sticks, unless `wins`. An operator holds them until
-  /// silent for 0.5 s, in MANUAL until the state has changed to HOLD.
+  /// Takes stick positions; ignores them while another operator holds the sticks, unless `wins`. An
+  /// operator holds them until silent for 0.5 s, and in MANUAL until the state has changed to HOLD.
   void take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us,
                    bool wins = false);
 

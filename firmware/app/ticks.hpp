@@ -11,10 +11,10 @@ class Ticks {
  public:
   explicit Ticks(float rate_Hz) : rate_Hz_(rate_Hz) {}
 
-  /// Time, in ticks at the nominal rate, for which the clock may stand still.
+  /// Limits the time for which the clock may stand still, counted in ticks at the nominal rate.
   void limit_idle(float most_s) { most_idle_ = static_cast<int>(most_s * rate_Hz_); }
 
-  /// At the beginning of a tick, and at its end.
+  /// Call begin() at the beginning of a tick, and end() at its end.
   void begin(std::int64_t now_us) { idle_ = last_us_ == now_us ? idle_ + 1 : 0; }
   void end(std::int64_t now_us) { last_us_ = now_us; }
 

@@ -11,9 +11,9 @@
 //  F, R    forward and reverse maximum of one propeller   N      0.1 … 500
 //  X, N    wrench, positive ahead and to starboard        N, N m ±10 000
 //
-// Not in paper, which assumes unlimited thrust. A turn with all thrust drives a boat ahead with
-// F − R. A boat that must brake as it turns would then overshoot its slot or hit another boat. Half
-// of the reverse thrust is always reserved for the turn.
+// Not in paper, which assumes unlimited thrust. A turn with full thrust also drives the boat ahead,
+// with F − R. A boat that must brake as it turns would then overshoot its slot or hit another boat,
+// so its turn is limited; but half of the reverse thrust is always reserved for the turn.
 //
 // Q16.16: tested within ±1,000 (F + R, N)
 #pragma once
@@ -28,7 +28,7 @@ struct AllocationParams {
   S a{};
   S F{};
   S R{};
-  bool brakes = false;  ///< a turn leaves thrust to brake with
+  bool brakes = false;  ///< limits the turn, so that the boat can brake as it turns
 };
 
 template <class S>

@@ -110,7 +110,7 @@ void push_forward(const ApproachParams<S>& params, const Vessel<S>& m, ApproachS
                   state.push_n.y + state.east_rest.take(share, push.y - state.push_n.y)};
 }
 
-/// c + p; c alone where p is small, or where both point the same way, so that a gust does not
+/// c + p; c alone where p is small, or where c and p point the same way, so that a gust does not
 /// weaken the cross-track term.
 template <class S>
 Vec2<S> pushed(const ApproachParams<S>& params, const Vec2<S>& c, const Vec2<S>& p) {

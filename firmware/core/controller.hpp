@@ -60,7 +60,7 @@ ControllerState<S> controller_start(const ControllerInput<S>& in) {
   return state;
 }
 
-/// The slot motion to follow, and the bow's turn from the slot's heading.
+/// The slot's motion as the boat is to follow it, and the bow's turn from the slot's heading.
 template <class S>
 struct Course {
   Slot<S> slot{};
@@ -69,8 +69,8 @@ struct Course {
 
 template <class S>
 ApproachParams<S> approach_params(const ControllerParams<S>& params) {
-  // Motor controllers do not turn their propellers below about 5 % of the command. The force of two
-  // propellers at that command, N:
+  // ESCs do not turn their propellers below about 5 % of the full command. Force of two propellers
+  // at that command:
   const S neutral = S(0.1);  // of one propeller's reverse maximum
   return {params.outer.k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max,
           neutral * params.propellers.R};
@@ -157,7 +157,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   }
   if (!state.separation.yielding) limit_growth(params.outer, state.outer, dt, desired);
   const VirtualVelocity<S> desired_w = through_water(desired, c_b, in.nu.r);
-  state.outer.u_star_held = desired_w.nu_star.u;  // v* is through the water too
+  state.outer.u_star_held = desired_w.nu_star.u;  // through the water, as v* is
   state.outer.r_star_held = desired_w.nu_star.r;
   const Tau<S> needed = pd_plus(params.inner, params.vessel, desired_w,
                                 Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});

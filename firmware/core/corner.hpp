@@ -3,7 +3,7 @@
 // clothoid, an arc, a clothoid.
 //
 //   θ = ½ |Δ|      θ_c = min(θ, θ_0)      L = 2 R (θ + θ_c)      L_c = 2 R θ_c
-//   κ(s) = x/(R L_c) to 1/R, x = min(s, L − s)         curvature at the distance s
+//   κ(s) = min(x/(R L_c), 1/R), x = min(s, L − s)      curvature at the distance s
 //   χ(s) = x²/(2 R L_c), then θ_c + (x − L_c)/R        course turned in the first half
 //   X = R (2 θ_c ∫ cos(θ_c y²) dy + sin θ − sin θ_c)   half of the curve, along and across the leg
 //   Y = R (2 θ_c ∫ sin(θ_c y²) dy + cos θ_c − cos θ)   y = 0 … 1
@@ -76,7 +76,7 @@ S curvature(const Corner<S>& corner, S s) {
   return (corner.turn < S(0) ? -share : share) / corner.R;
 }
 
-/// Course at the distance s less that at the beginning.
+/// Course at the distance s, relative to the course at the beginning.
 template <class S>
 S turned(const Corner<S>& corner, S s) {
   const bool first = s < corner.length - s;

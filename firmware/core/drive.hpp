@@ -27,10 +27,10 @@ template <class S>
 struct Drive {
   S u{};
   S r{};
-  std::optional<S> course{};  ///< then r is not used
+  std::optional<S> course{};  ///< if set, r is not used
 };
 
-/// Advances the vessel by h > 0 seconds; its route is given up.
+/// Advances the vessel by h > 0 seconds; discards its route.
 template <class S>
 void drive_forward(const RouteParams<S>& params, const Drive<S>& desired, RouteState<S>& state,
                    S h) {

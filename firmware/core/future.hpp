@@ -58,14 +58,14 @@ bool future_holds(const Future<S>& future, const Nu<S>& nu, S t_r) {
 template <class S>
 FutureWalk<S> future_start(const ReferenceMotion<S>& at, S t_r) {
   FutureWalk<S> walk{{{}, at.psi, at.nu, {}}, 0, t_r};
-  // A sample that is too near would make a step of it.
+  // Skips a sample so near that the velocity would jump to it.
   while (walk.next <= kFutureSamples && S(0.5) * S(static_cast<int>(walk.next)) < t_r + S(0.05)) {
     ++walk.next;
   }
   return walk;
 }
 
-/// The motion h seconds later, towards the next sample.
+/// The motion h seconds after the walk's time, towards the next sample.
 template <class S>
 Motion<S> future_motion(const Future<S>& future, const FutureWalk<S>& walk, S h) {
   const Motion<S>& from = walk.motion;

@@ -13,9 +13,9 @@
 //  ε       speed below which θ fades out                   m/s
 //
 // U is the smaller of the slot's speed and the desired speed, both through the water; 0 where one
-// is ahead and the other astern. U ignores the unknown force: a tail wind pushes like a following
-// current, but under it a turned bow still moves the boat sideways. Sway reveals a current. σ̇ is
-// omitted: it is small and noisy.
+// is ahead and the other astern. U counts a current, which the sway reveals, but not the unknown
+// force: a tail wind pushes like a following current, but in it a turned bow still moves the boat
+// sideways. σ̇ is omitted: it is small and noisy.
 //
 // Not in paper, which has no feedback of e_y and so needs a leader that keeps turning. From far
 // behind, the bow points at the slot; the boat does not circle a slot at rest, since U is zero.

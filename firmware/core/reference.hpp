@@ -16,8 +16,8 @@
 //  e_L      leader's offset from its own slot                   n        m           ±5000
 //  k        gain from boat to boat
 //
-// Not in paper: there each boat differentiates and predicts its own leader's motion, so that every
-// boat of a chain amplifies the first one's motion again. Here that happens once, at any depth. A
+// Not in paper: there each boat differentiates and predicts its own leader's motion, so that each
+// boat of a chain amplifies the first boat's motion again. Here this happens once, at any depth. A
 // predictor's gain must exceed one at some frequency: H(0) = 1, |H| ≤ 1 and a lead, H'(0) > 0,
 // contradict each other, for |H| is greatest on the edge of the right half plane. The maker's
 // slower track and δ_max keep the gain small; only the shift passes from boat to boat, with k < 1.
@@ -53,7 +53,7 @@ struct Foresight {
 };
 template <class S>
 Foresight<S> foresight(S h, S rate, S rate_dot, S most) {
-  if (!(S(0) < max(abs(rate), abs(rate_dot)))) return {};  // straight on, or steadily round
+  if (!(S(0) < max(abs(rate), abs(rate_dot)))) return {};  // a constant velocity
   const S m = min(h, S(2));
   const S half = S(0.5) * m;
   const S change = m * (rate + half * rate_dot);
@@ -92,8 +92,8 @@ struct ShiftParams {
   S T = S(20);
 };
 
-/// The shift h seconds later: follows k e_L slowly. Where k |e_L| > `most` it returns to zero: such
-/// a leader is still closing up, or has left its slot.
+/// The shift h seconds later. It follows k e_L slowly; where k |e_L| > `most` it returns to zero,
+/// because the leader is then still closing up, or has left its slot.
 template <class S>
 Vec2<S> shift_forward(const ShiftParams<S>& params, const Vec2<S>& shift, const Vec2<S>& e_L, S h) {
   const S gain = params.most < params.k * hypot(e_L.x, e_L.y) ? S(0) : params.k;

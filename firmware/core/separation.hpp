@@ -106,7 +106,7 @@ struct SeparationParams {
   S eager = S(1);      ///< T_e, s; chosen: short, so that a boat passes rather than waits
   S aside = S(0.3);    ///< k_t, rad/s; chosen: the aim turns by π within 10 s
   S same = S(0.1);     ///< hysteresis, ratio to U and D_min; chosen
-  S nearer = S(0.05);  ///< ε, m; chosen: tolerance for noise, which would make w unclear
+  S nearer = S(0.05);  ///< ε, m; chosen: tolerates noise, which would make a clear w count as not
   S turning = S(2);    ///< k_r, 1/s: ratio of r* to δ; chosen
   S any_rate = S(1);   ///< r_m where LAW_R_MAX is 0, rad/s; chosen
   S faster = S(1.1);   ///< k_U: ratio of U to the slot's speed; chosen: catches up with it
@@ -125,7 +125,7 @@ struct SeparationState {
   Vec2<S> w_n{};  ///< chosen last
   S stuck_s{};    ///< τ; decreases at half the rate at which it grows
   bool yielding = false;
-  bool bow_first = false;  ///< turning about: bow first, however far it must turn
+  bool bow_first = false;  ///< the boat turns about: bow first, however far it must turn
 };
 
 template <class S>
@@ -198,7 +198,7 @@ S stopping_speed(S a, S reaction, S gap) {
   return hypot(lag, sqrt(S(2) * a) * sqrt(gap)) - lag;
 }
 
-/// Clearance without vessels, m; chosen: beyond every tested place.
+/// Clearance where there are no other vessels, m; chosen: beyond every tested place.
 template <class S>
 S unlimited() {
   return S(1000);
@@ -283,8 +283,8 @@ S room_for(const SeparationParams<S>& params, S stuck, bool stranger) {
   return params.yield - (params.yield - params.hold) * min(S(1), stuck / params.narrow);
 }
 
-/// min over 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t. The distance to a member must be restored at the
-/// end of the path, or the two would stay side by side.
+/// min over 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t. At the end of the path, the distance to a member
+/// must be D again, or the two boats would stay side by side.
 template <class S>
 S clearance(const SeparationParams<S>& params, const std::array<Stretch<S>, 5>& path,
             const OtherVessel<S>& other, S keep) {
@@ -319,7 +319,7 @@ S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
 template <class S>
 struct Choice {
   Vec2<S> w_n{};
-  int rank = -1;  ///< 4: clear; 3: clear, but turns to port; 2, 1: same, closed; 0: not clear
+  int rank = -1;  ///< 4: clear; 3: clear, but to port; 2, 1: as 4, 3, but closed; 0: not clear
   S cost{};
 };
 
@@ -350,7 +350,7 @@ Choice<S> choose(const SeparationParams<S>& params, const SeparationState<S>& st
   const Intent<S>& intent = in.intent;
   const Vec2<S> w_e = aim(params, state, intent);
   const bool by_rule = stranger && state.stuck_s < params.stranger_s;
-  const S rounding = S(-0.02);  // (m/s)²; a course straight ahead does not count as to port
+  const S rounding = S(-0.02);  // (m/s)²; so that a course straight ahead is not "to port"
   Choice<S> best{};
   const std::uint16_t closed_courses = in.traffic.closed;
   const auto consider = [&](const Vec2<S>& w, S bonus) {
@@ -408,10 +408,10 @@ Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& 
   return seen;
 }
 
-/// Advances τ while the boat is off its slot, slow beside it (or yields to a stranger), and comes no
-/// nearer; else τ decreases at half that rate. After 60 s it starts again from 0. Slow is U/4, and
-/// half of that counts as progress; all are chosen. If τ grows while the boat goes astern behind a
-/// slot that moves, it turns about.
+/// Advances τ while the boat yields, is off its slot, comes no nearer to it, and is slow relative
+/// to it or yields to a stranger; else τ decreases at half that rate. After 60 s τ starts again
+/// from 0. Slow is below U/4, and half of that counts as progress; all are chosen. If τ passes
+/// astern_s while the boat goes astern behind a slot that moves, the boat turns about.
 template <class S>
 void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
                  const SeparationInput<S>& in, bool stranger) {
@@ -428,8 +428,8 @@ void count_stuck(const SeparationParams<S>& params, SeparationState<S>& state,
   if (S(60) < state.stuck_s) state.stuck_s = S(0);
 }
 
-/// Limits u so that u* n stays within its bound for every vessel. Leaves half of the gap to that
-/// vessel.
+/// Limits u so that u* n stays within its bound for every vessel. Uses half of each gap: the other
+/// half is left to that vessel.
 template <class S>
 S held_back(const SeparationParams<S>& params, const SeparationInput<S>& in, S u) {
   for (std::size_t i = 0; i < in.traffic.count; ++i) {

@@ -17,10 +17,10 @@
 //  ε            speed below which there is no course              m/s
 //  ω_n          bandwidth: above any turns, below noise           rad/s
 //
-// Not in paper: there the slot does not turn with its leader and has its heading and velocity,
-// which is right for equal hulls in still water. Course and heading of a boat differ in a current,
-// on the leader's outside, and behind a leader with another hull. The noisy u̇_L and v̇_L enter δ̇
-// through the smoothing only; ṙ_S is ṙ_L.
+// Not in paper: there the slot does not turn with its leader, and has the leader's heading and
+// velocity, which is right for equal hulls in still water. A boat's course and heading differ in a
+// current, outside its leader's turn, and behind a leader with another hull. The noisy u̇_L and
+// v̇_L enter δ̇ only through the smoothing; ṙ_S is ṙ_L.
 //
 // Q16.16: tested within ±500 (inertia, kg)
 #pragma once
@@ -48,8 +48,8 @@ template <class S>
 struct SlotParams {
   Vec2<S> d{};
   bool turns = false;   ///< frame 1
-  bool steers = false;  ///< has its own course: in frame 1, or where a current is known
-  bool moves = false;   ///< in the shape: its course may be far from the boat's
+  bool steers = false;  ///< the slot has its own course: in frame 1, or where a current is known
+  bool moves = false;   ///< the slot moves in the shape: its course may be far from the boat's
   S epsilon = S(0.05);
   S omega_n = S(2);
 };
@@ -184,7 +184,7 @@ bool goes_astern(const SlotParams<S>& params, const ControllerInput<S>& in, cons
   return params.turns && S(0) < in.nu_L.u && slot.nu.u < S(-0.05);
 }
 
-/// The leader's sway through the water: the start value of a boat that sailed beside it.
+/// The leader's sway through the water: start value for a boat that has sailed beside the leader.
 template <class S>
 S sway_beside(const ControllerInput<S>& in) {
   return in.nu_L.v - to_body(in.psi_L, in.current_n).y;

@@ -6,7 +6,7 @@
 //   b ← n while in, else the smallest |e| since, in steps of 0.1 m or more
 //   b_y ← max(b_y, |e|) while it yields, else with b, and smaller in the same steps
 //   t ← 0 while in or where b decreases, t − 0.5 s where b_y does, else t + w h,   w = 2 at a limit
-//   left   kept and |e| > D for 1 s         spins   |r| > 1.2 r_max for 2 s, less 0.3 of other time
+//   left   kept and |e| > D for 1 s         spins   |r| > 1.2 r_max for 2 s, less 0.3 of the rest
 //   stuck  t > max(60 s, 8π/r_max), ≤ 900 s  well    in and |r| ≤ r_max for 1 s; ends these three
 //
 //  symbol  meaning                                            unit     tested range
@@ -19,7 +19,7 @@
 //
 // Not in paper. A boat that still closes up may be far away, so its progress is judged, not its
 // distance. At a limit of speed, yaw rate or thrust it must make progress in half the time, which
-// is at least two whole turns. While it yields to another vessel, t stands still. After that it
+// is enough for two whole turns. While it yields to another vessel, t stands still. After that it
 // closes up from its present place: regaining the distance lost by yielding reduces t, but does not
 // reset it.
 //
@@ -64,7 +64,7 @@ struct StationInput {
   bool limited = false;  ///< at a limit of speed, yaw rate or thrust
   bool yields = false;   ///< to another vessel
   bool at_rest = false;  ///< the slot is at rest
-  bool turns = false;    ///< the bow is far from the slot's heading, and the slot makes way
+  bool turns = false;    ///< the slot makes way, and the bow is far from its heading
 };
 
 /// Counts h while `so`, up to 1000 s; otherwise resets.
@@ -91,8 +91,7 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
   }
 }
 
-/// The slot is now elsewhere: the boat closes up again. Its idle time and its spinning time
-/// continue.
+/// Call when the slot is elsewhere: the boat closes up again. Its idle and spinning times continue.
 template <class S>
 void station_moved(StationState<S>& state) {
   state.in = state.kept = state.started = false;

@@ -48,7 +48,7 @@ enum class Request : std::uint8_t {
 };
 constexpr std::size_t kRequests = 12;
 
-/// Reactions to a loss; the more careful comes first.
+/// Reactions to a loss, the most careful first.
 enum class Reaction : std::uint8_t {
   kHold,
   kLoiter,
@@ -68,7 +68,7 @@ constexpr Conditions kBusUp = 1U << 3U;            ///< the CAN interface is up 
 constexpr Conditions kSoleController = 1U << 4U;   ///< no other node commands or arms ESCs
 constexpr Conditions kParametersSaved = 1U << 5U;  ///< stored data were read, or saved since
 constexpr Conditions kSticksFresh = 1U << 6U;      ///< MANUAL_CONTROL is younger than 0.5 s
-constexpr Conditions kTestRunning = 1U << 7U;      ///< a requested motor test is not over
+constexpr Conditions kTestRunning = 1U << 7U;      ///< a requested motor test has not ended
 constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not frozen
 constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump
 constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not frozen
@@ -79,11 +79,11 @@ constexpr Conditions kGcsHeard = 1U << 14U;        ///< a ground station is hear
 constexpr Conditions kBatteryGood = 1U << 15U;     ///< ESC voltage above its limit, or none is set
 constexpr Conditions kInsideFence = 1U << 16U;     ///< near enough to home, or no limit is set
 constexpr Conditions kClear = 1U << 17U;           ///< no vessel is nearer than FS_SEP_M
-constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
+constexpr Conditions kCoastRunning = 1U << 18U;    ///< the time for COAST has not ended
 constexpr Conditions kInRange = 1U << 19U;         ///< the scalar has not overflowed
 constexpr Conditions kOnStation = 1U << 20U;       ///< in slot, closing up, or not under the law
 constexpr Conditions kOwnPrompt = 1U << 21U;       ///< own state's latency is tolerable for the law
-constexpr Conditions kLeadersEnd = 1U << 22U;      ///< the chain of leaders does not lead back here
+constexpr Conditions kLeadersEnd = 1U << 22U;      ///< the chain of leaders does not return to us
 constexpr Conditions kSlotSound = 1U << 23U;       ///< the slot is free, and does not go astern
 constexpr Conditions kOwnTimed = 1U << 24U;     ///< the own state's age is known, or there is none
 constexpr Conditions kLeaderTimed = 1U << 25U;  ///< the same of the leader's state
@@ -110,14 +110,14 @@ constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 constexpr Conditions kLosses = kFollows | kGcsHeard | kLimits;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
-/// The law needs these whatever it follows.
+/// The law needs these, whatever the boat follows.
 constexpr Conditions kSteers =
     kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel | kBoatAnswers | kSound;
 constexpr Conditions kByLaw = kSteers | kPlace;
 constexpr Conditions kDrive = kByLaw | kLosses;
 constexpr Conditions kFormationBegins = kDrive | kClear;
 constexpr Conditions kCoastDrive = kByLaw | kLimits | kCoastRunning;
-// A boat that waits or returns needs no ground station, and may have to because of a limit.
+// LOITER and RTL need neither a ground station nor the limits, whose loss may have led to them.
 constexpr Conditions kLoiterDrive = kSteers | kLocated | kOnStation;
 constexpr Conditions kLoiterBegins = kLoiterDrive | kLimits;
 constexpr Conditions kReturnDrive = kLoiterDrive | kHomeNear;
@@ -152,9 +152,9 @@ constexpr States kFollowing = in(State::kFormation, State::kCoast);
 constexpr States kAlone = in(State::kAuto, State::kGuided, State::kLoiter, State::kReturn);
 constexpr States kLawDrives = kFollowing | kAlone;
 constexpr States kArmed = in(State::kHold, State::kManual, State::kTest) | kLawDrives;
-/// In these a ground station must be heard, and the limits be kept.
+/// In these states a ground station must be heard and the limits be kept.
 constexpr States kBound = kFollowing | in(State::kAuto, State::kGuided);
-/// Operators may change between these.
+/// Operators may change between these states.
 constexpr States kChosen = (kArmed & ~in(State::kTest, State::kCoast));
 
 struct Row {
@@ -163,7 +163,7 @@ struct Row {
   Conditions needs;
   Conditions lacks;
   State to;
-  Reactions on = 0;  ///< the row needs one of these reactions; 0: whatever it is
+  Reactions on = 0;  ///< the row needs one of these reactions; 0: any, or none
 };
 
 constexpr std::array<Row, 47> kTable{{
@@ -213,7 +213,7 @@ constexpr std::array<Row, 47> kTable{{
     {(kChosen & ~in(State::kReturn)) | in(State::kCoast), Request::kReturn, kReturnBegins, 0,
      State::kReturn},
     {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
-    // Requests for the present state: granted, as senders repeat a command whose answer is lost.
+    // Requests for the present state are granted: senders repeat a command whose answer was lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
     {in(State::kHold), Request::kArm, 0, 0, State::kHold},
     {in(State::kManual), Request::kArm, 0, 0, State::kManual},
@@ -285,7 +285,7 @@ struct Verdict {
   Conditions missing;
 };
 
-/// Of each request, from its first row to its last one.
+/// For each request, the part of the table from its first row to its last.
 inline constexpr auto kRowsOf = [] {
   std::array<std::span<const Row>, kRequests> rows;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -307,7 +307,7 @@ constexpr Verdict supervise(State state, Request request, Conditions met,
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
     const Conditions lost = row.on != 0 ? row.lacks & response.lost : row.lacks & ~met;
     if (unmet == 0 && lacking) return {row.to, true, lost};
-    missing = unmet;  // of the row that asks least: the last
+    missing = unmet;  // finally that of the last row, which needs least
   }
   return {state, false, request == Request::kNone ? Conditions{0} : missing};
 }

@@ -28,7 +28,7 @@ struct Tau {
   S N{};
 };
 
-/// ∫τ dt, and over which time, s.
+/// ∫τ dt, and the time of integration, s.
 template <class S>
 struct Impulse {
   Tau<S> sum{};
@@ -48,7 +48,7 @@ struct Error {
   S psi{};
 };
 
-/// Which limits acted: none, or a sum of these.
+/// The limits that acted: 0, or a combination of these bits.
 using Limits = unsigned;
 constexpr Limits kSurgeLimit = 1U << 0U;    ///< of the propellers' thrust
 constexpr Limits kYawLimit = 1U << 1U;      ///< of the propellers' moment

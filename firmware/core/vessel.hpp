@@ -22,7 +22,7 @@
 
 namespace flotilla::core {
 
-/// a / b; 0 for b ≤ 0, as in a default vessel.
+/// a / b; 0 for b ≤ 0, as b is in a default-constructed vessel.
 template <class S>
 constexpr S quotient_of(S a, S b) {
   return S(0) < b ? a / b : S(0);

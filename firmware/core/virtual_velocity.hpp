@@ -16,9 +16,9 @@
 //  v_star        sway that follows from u*, r*   m/s         ±20
 //  h             control step                    s           0 … 0.2
 //
-// Not in paper: θ and the limits. A boat turns a little faster than r*, and much faster where r*
-// jumps from side to side, as it does behind a reference that many boats have relayed: its
-// propellers answer late. Hence 0.97 and the limited growth, which keep the boat itself within
+// Not in paper: θ and the limits. Because its propellers respond late, a boat turns a little faster
+// than r*, and much faster where r* jumps from side to side, as it does behind a reference that
+// many boats have relayed. Hence 0.97 and the limited growth, which keep the boat itself within
 // r_max. Both limits apply over ground; through the water ν* differs by the current. A slot with
 // |w_S| > u_max or |r_S| > r_max is reported as too fast. At a limit the derivative is 0, and
 // v* follows from the limited u*, r*.
@@ -38,7 +38,7 @@ struct VirtualVelocityParams {
   S r_max{};
 };
 
-/// controller_step() alone sets u* and r*, when nothing changes them any more.
+/// controller_step() alone sets the held u* and r*, once they are final.
 template <class S>
 struct VirtualVelocityState {
   S v_star{};

@@ -27,7 +27,7 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
 constexpr std::chrono::milliseconds kReopen{100};
 constexpr int kFarewellTicks = 10;
-// A stored signing timestamp further ahead of the clock than this is reported.
+// A stored signing timestamp is reported if it is further ahead of the clock than this.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthReporting = 60 * kStampsPerSecond;
 // Greatest number of frames and chunks read between checks of the timer: a flood must not stop the
 // tick.
@@ -104,7 +104,7 @@ Loop::Loop(const Config& config)
   for (const std::string& note : parameters_.notes()) messages_.put(note);
 }
 
-/// The fence first: rally points are judged by it.
+/// Restores the fence first, because rally points are judged by it.
 void Loop::restore_plans() {
   using app::Stored;
   const auto files = config_.plan_files();
@@ -121,7 +121,7 @@ void Loop::restore_plans() {
   }
 }
 
-/// False: try again.
+/// Passes changed lists to their savers; false: try again.
 bool Loop::keep_lists() {
   bool all = node_table_.save(boat_->node_ids());
   for (Kept& kept : kept_) {
@@ -252,7 +252,7 @@ void Loop::read_links(std::int64_t now_us) {
   }
 }
 
-/// The list of which the last writing failed; empty: none.
+/// The list whose last write failed; empty: none.
 std::string_view Loop::unsaved_list() const {
   constexpr std::array<std::string_view, app::kStoredKinds> kNames{"plan", "fence", "rally points"};
   const auto failed =

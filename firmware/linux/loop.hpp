@@ -62,7 +62,7 @@ class Loop {
   std::unique_ptr<CanBus> bus_;
   bool bus_usable_ = true;  // as last reported
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
-  std::uint8_t closed_links_ = 0;  // a bit each, as last reported
+  std::uint8_t closed_links_ = 0;  // bit mask, as last reported
   NodeTable node_table_;
   /// Of plan, fence and rally points.
   struct Kept {
@@ -92,7 +92,7 @@ class Loop {
 
   std::int64_t heard_us_ = 0;  // first bytes since the last tick; 0: none
   Statistics statistics_;
-  std::list<RepeatingThread> openers_;  // one per device: none waits for another
+  std::list<RepeatingThread> openers_;  // one per device, so that none waits for another
 };
 
 }  // namespace flotilla::target

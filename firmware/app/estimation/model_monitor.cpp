@@ -14,8 +14,8 @@ constexpr float kTurnShare = 0.6F;  // of LAW_R_MAX
 constexpr float kBalanceStep = 0.004F, kDragStep = 0.01F;
 constexpr float kMaxBalance = 0.3F, kLeastDrag = 0.4F, kMaxDrag = 2.5F;
 
-/// Sizes from which an error is reported, above and below 0; greatest standard deviation of an
-/// error that counts as known.
+/// An error of at least this size, above or below 0, is reported if its standard deviation is at
+/// most `known`.
 struct Limits {
   float above, below, known;
 };
@@ -104,7 +104,7 @@ void ModelMonitor::judge(Number number, const core::Share<float>& error, float a
   one.told = one.value;
 }
 
-/// Moves one step of each reported error from the filters into the model.
+/// Moves part of each reported error, at most one step, from the filters into the model.
 bool ModelMonitor::apply() {
   const auto step = [&](Number number, float error, float most) {
     const Judged& one = judged_[index_of(number)];

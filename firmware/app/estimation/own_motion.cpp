@@ -9,7 +9,7 @@ namespace {
 
 // Another own source must take over before FS_NAV_S stops the boat.
 constexpr std::int64_t kOwnPatience_us = 300'000;
-// A boat under thrust must report motion before then, too.
+// A repeated state must count as frozen before then, too.
 constexpr std::int64_t kOwnFrozen_us = 300'000;
 
 bool tells_place(const link::Message& message) {
@@ -123,8 +123,8 @@ void OwnMotion<S>::push_moment() {
   if (S(0) < time) latency_.push(convert::in_float(sum.N), convert::in_float(time));
 }
 
-/// True if the latency that is compensated for has changed. Fixes closer together than a tenth of a
-/// second add little information.
+/// True if the compensated latency has changed. Skips fixes less than a tenth of a second after the
+/// last one used, which add little information.
 template <class S>
 bool OwnMotion<S>::update_latency(const core::TrackMessage<S>& fix, std::int64_t age_us) {
   const bool goes_on = S(0) < fix.dt && fix.dt < S(0.5);

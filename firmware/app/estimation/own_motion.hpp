@@ -41,8 +41,8 @@ class OwnMotion {
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }
-  /// Own states were ignored, as they may be another vessel's: they came on another link than the
-  /// first ones, or for the first time while the boat was armed.
+  /// Own states were ignored because they may be another vessel's: they came on another link than
+  /// the first ones, or the first ones came while the boat was armed.
   bool take_stranger() { return std::exchange(stranger_, false); }
   const UnitQuality& quality() const { return quality_; }
   /// The unit's last GPS_RAW_INT, unless it is two seconds old.

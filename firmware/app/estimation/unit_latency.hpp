@@ -17,8 +17,8 @@ class UnitLatency {
   void configure(const core::LatencyParams<float>& params, float yaw_inertia_kgm2,
                  std::optional<float> named_s);
 
-  /// Once a tick. waits: the unit sends states, and no TIMESYNC bounds its clock. Without an observer
-  /// nothing is estimated: the law takes each fix as it is, as in the paper.
+  /// Call once a tick. waits: the unit sends states, and no TIMESYNC bounds its clock. observes: if
+  /// false, nothing is estimated, because the law takes each fix as it is, as in the paper.
   void look_at_clock(bool waits, bool observes, std::int64_t now_us);
   bool estimates() const { return estimates_; }
 
@@ -38,10 +38,10 @@ class UnitLatency {
   /// Compensated latency, including the configured one; nothing while none is known.
   std::optional<std::int64_t> lag_us() const { return lag_us_; }
 
-  /// Estimated latency beyond the configured one.
+  /// Estimated latency beyond the configured one, s; nothing while it is unknown.
   std::optional<float> found_s() const { return found_s_; }
 
-  /// Latency that is not compensated; assumed until one is estimated.
+  /// Latency that is not compensated, s; assumed until one is estimated.
   float uncompensated_s() const { return uncompensated_s_; }
 
   /// All of the latency can be compensated.

@@ -12,17 +12,18 @@
 
 namespace flotilla::app {
 
-/// The last message of each kind counts until the next of that kind, however long that takes. A unit
-/// that sends none is judged by its states alone.
+/// The last message of each kind counts until the next of that kind, however long that takes. A
+/// unit that sends none is judged by its states alone.
 class UnitQuality {
  public:
   using Limits = Configuration::Quality;
 
-  /// A message of the unit: GPS_RAW_INT, ESTIMATOR_STATUS, EKF_STATUS_REPORT or ODOMETRY with its
-  /// covariance; others are ignored. Another component is another unit.
+  /// Takes a message of the unit: GPS_RAW_INT, ESTIMATOR_STATUS, EKF_STATUS_REPORT, or ODOMETRY
+  /// with its covariance; ignores others. Another component is another unit.
   void take(const link::Received& received, const Limits& limits, std::int64_t now_us);
 
-  /// A second has passed since every value came below 0.8 of its limit, and none went over it since.
+  /// All messages have been good for a second. A value over its limit makes its message bad, until
+  /// every value of that message is below 0.8 of its limit.
   bool good(std::int64_t now_us) const { return now_us >= good_from_us_; }
 
   /// The quantity that is, or last was, beyond its limit; empty if none ever was.

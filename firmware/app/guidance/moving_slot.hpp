@@ -11,8 +11,8 @@
 //  d, w, ẇ      slot; its velocity and acceleration in the shape     m, m/s, m/s²
 //
 // While the slot moves, k_x and k_ψ are doubled and the look-ahead is halved. The usual gains suit
-// noise and delay behind a slot that rests in the shape. With them a boat of 1.2 m turned about in
-// 7 s, fell behind its slot, and closed up slowly.
+// the noise and delay behind a slot that rests in the shape. Behind a moving slot, a boat of 1.2 m
+// with these gains took 7 s to turn about, fell behind its slot, and closed up slowly.
 //
 // Before the slot reverses (V · V_s < 0, where V_s is its velocity in kTurnAhead_s) the boat turns
 // to V_s: a boat that turned only with its slot would fall behind.
@@ -25,7 +25,7 @@
 
 namespace flotilla::app {
 
-/// w, w_dot, and w_soon in kTurnAhead_s: in the slot's axes.
+/// w_soon: w in kTurnAhead_s. All three are in the slot's axes.
 template <class S>
 Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot, core::Vec2<S> w_soon) {
   const auto [u, v, r] = lead.motion.nu;

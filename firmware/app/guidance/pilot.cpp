@@ -138,7 +138,7 @@ Lead<S> Pilot<S>::lead_of(const typename Reference<S>::Aim& aim) const {
   return lead;
 }
 
-/// The leader's offset from its own slot, if that was computed from the root.
+/// The leader's offset from its own slot; zero unless the boat follows a root above its leader.
 template <class S>
 core::Vec2<S> Pilot<S>::leaders_error(std::int64_t now_us) const {
   const Lead<S>& lead = follower_.lead();
@@ -183,15 +183,15 @@ template <class S>
 Target Pilot<S>::stop_ahead() const {
   const core::Motion<S>& motion = own_.motion();
   const S u = core::max(motion.nu.u, S(0));
-  const S way = u * u / (S(1.8) * law_.route.accel);  // as the planner stops
+  const S way = u * u / (S(1.8) * law_.route.accel);  // braking distance, as in core/route.hpp
   const core::Vec2<S> on = core::to_north_east(motion.psi, core::Vec2<S>{way, S(0)});
   const convert::Position here = own_.place();
   return {convert::global_of({here.north_m + on.x, here.east_m + on.y, here.origin}),
           static_cast<float>(convert::number(u))};
 }
 
-/// Within 1.5 look-aheads a boat does not approach a vessel at rest (core/approach.hpp): the vessel
-/// must move on, or both would stand still.
+/// Within 1.5 look-aheads of a vessel at rest, a boat does not approach it (core/approach.hpp). So
+/// the vessel must not wait for a boat that near, or both would stand still.
 template <class S>
 BoatBehind<S> Pilot<S>::behind() const {
   return {follower_.off(), core::max(S(3), S(2) * law_.controller.sight.Delta),

@@ -56,7 +56,7 @@ class Pilot {
   /// Call in every tick: advances the own motion by `since` s under the wrench `given`.
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
 
-  /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
+  /// Call on entering FORMATION, except from COAST: resets the law to the leader's present state.
   void start(std::int64_t now_us);
 
   /// Velocity and acceleration of a slot that moves in the shape, relative to the formation's root
@@ -84,18 +84,18 @@ class Pilot {
   /// A jump of the leader or the root was accepted since start().
   bool leader_jumped() const { return leader_.jumped() || reference_.jumped(); }
 
-  /// Returns from COAST to FORMATION: the leader may have come back somewhere else.
+  /// Call on return from COAST to FORMATION: the leader may have come back somewhere else.
   void close_anew() { follower_.close_anew(); }
 
   /// One step of the law, dt after the last one, s.
   core::ControllerOutput<S> step(std::int64_t now_us, S dt);
 
-  /// The same in COAST, behind the extrapolated leader of the last step(); possible while the own
-  /// position relative to it is known.
+  /// The same in COAST, behind the leader of the last step(), extrapolated. Requires can_coast():
+  /// the boat's position relative to that leader is known.
   core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
   bool can_coast() const;
 
-  /// Enters a mode without a leader, or continues it with another plan or item: the law follows a
+  /// Call on entering a mode without a leader, and when its plan or item changes: the law follows a
   /// virtual vessel that sails the plan from the boat's place. The plan must not change before
   /// end_plan().
   void start_plan(const Voyage& voyage, const PlanDefaults& defaults);
@@ -103,7 +103,7 @@ class Pilot {
 
   /// One step of the law behind that vessel; paused: it slows down and waits.
   core::ControllerOutput<S> sail(Plan plan, bool paused, std::int64_t now_us, S dt);
-  /// The same for velocity setpoints.
+  /// The same behind a vessel that is driven by velocity setpoints.
   core::ControllerOutput<S> drive(const core::Drive<S>& desired, bool paused, std::int64_t now_us,
                                   S dt);
   const PlanVessel<S>& plan_vessel() const { return plan_vessel_; }

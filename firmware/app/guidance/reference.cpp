@@ -6,15 +6,16 @@
 namespace flotilla::app {
 namespace {
 
-// An S-curve cannot be extrapolated for longer. A reference that is sent must last one more hop.
+// Greatest ages of a reference that is followed, and of one that is sent, which must last one more
+// hop. An S-curve cannot be extrapolated for longer.
 constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'000;
 // A lower sequence number with a motion later by more than this means that the maker restarted.
 constexpr std::int64_t kRestart_us = 1'000'000;
-// A plan's motion is exact: no follower needs it more often.
+// Interval of references made from a plan, whose motion is exact: no follower needs more.
 constexpr std::int64_t kTold_us = 100'000;
-// Motions newer by less than this are ignored.
+// A received reference that is newer by less than this is ignored.
 constexpr std::int64_t kNews_us = 45'000;
-// Validity of a future, and of a reference that has one (to be followed and sent).
+// Validity of a future; greatest age of a reference that has one, to be followed or sent.
 constexpr std::int64_t kFuture_us = 12'000'000, kOldestCovered_us = 9'000'000;
 
 /// The age field of a message sent now.
@@ -160,8 +161,8 @@ bool Reference<S>::is_near(const convert::Position& own, const convert::RootStat
   return convert::near(own, root.position) && convert::near(own, slot, reach_);
 }
 
-/// False for a reference that another boat has already relayed, or that is newer by less than
-/// kNews_us; true for one from a restarted maker.
+/// Whether a reference is new to us: not one that another boat has already relayed to us, nor one
+/// newer by less than kNews_us. One from a restarted maker is new.
 template <class S>
 bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& branch,
                             std::int64_t valid_us) const {
@@ -209,7 +210,7 @@ void Reference<S>::tell(const core::Future<S>& future, std::int64_t begun_us) {
   ++future_news_;
 }
 
-/// Updates valid_us in every tick: the leader's clock offset becomes more precise with time.
+/// Updates valid_us in every tick, because the leader's clock offset becomes more precise.
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const auto message = leader.take_fix();
@@ -235,7 +236,7 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   }
 }
 
-/// Begins with the leader's own track, because its motion is known when a branch ends.
+/// Starts from the leader's track: when a branch ends, the leader's motion is already known.
 template <class S>
 void Reference<S>::shape(const VesselTrack<S>& leader, const core::TrackMessage<S>& message) {
   if (std::exchange(shapes_, true)) {

@@ -39,13 +39,13 @@ class Reference {
     clocks_.answered(from, sent_us, read_us, now_us);
   }
 
-  /// Sets whether the boat leads. Then it is the root itself, regardless of FORM_LEADER and slot.
+  /// Sets whether the boat leads: a boat that leads is the root, whatever FORM_LEADER and its slot.
   void lead(bool on);
 
   /// Takes the motion of the vessel that a leading boat follows in AUTO, as the reference.
   void tell(const convert::RootState<S>& root, std::int64_t now_us);
 
-  /// Takes the future of that vessel from `begun_us` on.
+  /// Takes the same vessel's future motion, from `begun_us` on.
   void tell(const core::Future<S>& future, std::int64_t begun_us);
 
   /// Makes the reference if this boat is its maker. Call in every tick, also while LAW_REF is 0, so
@@ -66,7 +66,7 @@ class Reference {
   std::optional<link::FormationReference> message(std::int64_t now_us, bool followed) const;
   std::uint32_t news() const { return news_; }
 
-  /// The same for the root's future, while it is valid.
+  /// The same for the root's future; nullopt if it is not valid.
   std::optional<link::FormationFuture> future_message(std::int64_t now_us) const;
   std::uint32_t future_news() const { return future_news_; }
 

@@ -27,9 +27,10 @@ class SlotClaims {
   /// The slot coincides with the leader, which is a vessel.
   bool leaders() const { return leader_is_vessel_ && on_leader_; }
 
-  /// System id of a boat with the same slot of the same root. While we sail, a rival counts only if
-  /// it sails too and has claimed the slot for 2 s, because boats do not exchange slots at the same
-  /// instant; for the boat with the lower system id, for 4 s, so that one of the two sails on.
+  /// System id of a rival: a boat with the same slot behind the same root. While we sail, a rival
+  /// counts only if it sails too and has claimed the slot for 2 s, because two boats that exchange
+  /// slots do not do so at the same instant; for 4 s if our system id is the lower one, so that one
+  /// of the two sails on.
   std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
   /// Neither the leader nor another boat claims the slot.

@@ -44,7 +44,7 @@ void SlotFollower<S>::follow(const convert::Law<S>& law, const OwnMotion<S>& own
     const core::Vec2<S> was = core::to_north_east(error_.R, core::Vec2<S>{error_.e.x, error_.e.y});
     const core::Vec2<S> step = {in.separation_n.x - d_n.x - shift_n_.x - was.x,
                                 in.separation_n.y - d_n.y - shift_n_.y - was.y};
-    // For example, the leader is itself far from its slot behind the root.
+    // For example, because the leader is far from its own slot behind the root.
     const bool elsewhere = core::max(S(5), law.station.D) < core::hypot(step.x, step.y);
     if (elsewhere) core::station_moved(station_);
     blend_ = elsewhere || S(1) < off() ? core::Blend<S>{} : core::blend_start(step);

@@ -31,10 +31,10 @@ core::ControllerInput<S> controller_input(const Lead<S>& lead, const OwnMotion<S
 template <class S>
 class SlotFollower {
  public:
-  /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
+  /// Call on entering FORMATION, except from COAST: resets the law to the leader's present state.
   void start() { starting_ = true; }
 
-  /// Returns from COAST to FORMATION: the leader may have come back somewhere else.
+  /// Call on return from COAST to FORMATION: the leader may have come back somewhere else.
   void close_anew() { station_ = {}; }
 
   /// Follows `next` from now on, dt after the last step, s.
@@ -46,15 +46,14 @@ class SlotFollower {
   /// Shifts the slot slowly by the leader's offset e_L from its own slot, m, north-east.
   void shift(const core::Vec2<S>& e_L);
 
-  /// One step of the law, whose slot is lead().slot; traffic: nullptr for no separation from other
-  /// vessels.
+  /// One step of the law, whose slot is lead().slot; traffic: nullptr to ignore other vessels.
   core::ControllerOutput<S> step(const convert::Law<S>& law, const OwnMotion<S>& own,
                                  const core::Traffic<S>* traffic, S dt);
 
   /// In COAST: extrapolates the vessel that is followed.
   void coast(S coast_s, S dt);
 
-  /// Judges whether the boat keeps its station. error: from the slot, by the leader's last state.
+  /// Judges whether the boat keeps its station. error: from the slot, as the leader last reported.
   void judge(const convert::Law<S>& law, const core::ControllerOutput<S>& out,
              const core::FormationError<S>& error, S r, S dt);
 

@@ -9,12 +9,12 @@ namespace {
 
 // A leader silent for this long has lost its reference, or runs other software.
 constexpr std::int64_t kLeaderSilent_us = 3'000'000;
-// When boats of a fleet are attached anew, a new leader's messages still on their way may say that it
-// follows this boat. They do not count.
+// After a fleet rearranges its tree, late messages of a new leader may still say that it follows
+// this boat. In the first second they do not count.
 constexpr std::uint32_t kAttaches_ms = 1000;
 // A boat whose leader's reference is older than kOld_us starts its own branch. It rejoins only
-// after kSteady_us of references younger than kYoung_us, so that a deep boat on a bad radio does
-// not alternate.
+// after kSteady_us of references younger than kYoung_us, so that a boat deep in the tree, on a bad
+// radio, does not alternate between the branches.
 constexpr std::int64_t kOld_us = 3'000'000, kYoung_us = 2'100'000, kSteady_us = 3'000'000;
 
 }  // namespace
@@ -33,7 +33,7 @@ void TreePlace::configure(const Own& own) {
   if (word_) word_->ours = behind(word_->offset);
 }
 
-/// Our slot, from that of our leader.
+/// Our slot relative to the root, from our leader's.
 std::optional<RootOffset> TreePlace::behind(const RootOffset& leaders) const {
   const auto n = convert::sum_of(leaders.n, own_.turns ? convert::WireOffset{} : own_.offset);
   const auto b = convert::sum_of(leaders.b, own_.turns ? own_.offset : convert::WireOffset{});

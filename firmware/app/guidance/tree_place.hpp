@@ -39,7 +39,7 @@ class TreePlace {
 
   /// The branch that the leader sails in. nullopt if the leader announces none, does not follow it,
   /// or has a reference too old for a boat behind it; if we made the reference; or if our slot and
-  /// the leader's own both turn, because the leader's heading then differs from the root's.
+  /// the leader's both turn, because the leader's heading then differs from the root's.
   std::optional<Branch> branch(std::int64_t now_us) const;
 
   /// Our slot and our leader's, relative to that branch's root, or to the leader if there is no
@@ -52,7 +52,8 @@ class TreePlace {
   TreePath path(std::int64_t now_us) const;
   bool too_deep(std::int64_t now_us) const;
 
-  /// The leader follows this boat, directly or through others, since a second or longer.
+  /// The leader follows this boat, directly or through others. Not judged by the messages of a new
+  /// leader's first second.
   bool is_cycle(std::int64_t now_us) const;
 
   const Own& own() const { return own_; }
@@ -65,7 +66,7 @@ class TreePlace {
     std::optional<RootOffset> ours;  ///< our slot, if we sail in that branch
     TreePath path{};
     std::size_t length = 0;  ///< of the path
-    bool cycle = false;      ///< it contains our id, and not only at first
+    bool cycle = false;      ///< the path contains our id, see is_cycle()
     bool followed = false;
   };
 
@@ -76,7 +77,7 @@ class TreePlace {
   Own own_;
   std::optional<RootOffset> alone_{RootOffset{}};  // our slot relative to the leader
   std::optional<Word> word_;
-  bool leads_ = true;              // the leader's reference is young enough
+  bool leads_ = true;              // the leader's reference is young enough to follow
   std::uint32_t first_ms_ = 0;     // first message of this leader
   std::int64_t not_young_us_ = 0;  // last time it was older than kYoung_us
 };

@@ -25,14 +25,15 @@ class VoyagePilot {
     std::optional<float> reach_m{};  ///< from home
   };
 
-  /// Call when a state without a voyage begins, or a plan at that item. The item's voyage continues
-  /// with the step where it was interrupted, unless the plan was complete.
+  /// Call interrupt() when a state without voyages begins, begin_plan() when a plan begins at that
+  /// item. An interrupted voyage of the item then continues with the same step, unless the plan was
+  /// complete.
   void interrupt() { voyage_.interrupt(); }
   void begin_plan(std::uint32_t plan, std::size_t item, bool complete);
-  /// An operator has set another item: a voyage starts from its first step.
+  /// Call when an operator has set another item: the next voyage starts from its first step.
   void forget() { voyage_.forget(); }
 
-  /// Begins a voyage if the item is one that is not over and the boat is in its room.
+  /// Begins a voyage if the item ahead is a voyage that is not over, and the boat is in its room.
   void begin(const PlanItem& ahead, std::uint32_t plan, std::size_t item, const Pilot<S>& pilot,
              const Configuration& configuration);
 
@@ -44,7 +45,7 @@ class VoyagePilot {
   /// Judges whether the boat would leave its bounds if it stopped now; forward() uses the result.
   void look(const Pilot<S>& pilot, const Bounds& bounds, std::int64_t now_us);
 
-  /// Thrusts for the next dt seconds, N. centre: of the room.
+  /// Thrusts for the next dt seconds, N. centre: of the voyage's room.
   core::Thrust<S> forward(const Pilot<S>& pilot, const convert::GlobalPoint& centre, bool waits,
                           std::int64_t now_us, S dt);
 
@@ -52,7 +53,7 @@ class VoyagePilot {
 
  private:
   HullVoyage<S> voyage_;
-  bool at_fence_ = false;  // as judged last
+  bool at_fence_ = false;  // the last result of look()
 };
 
 }  // namespace flotilla::app

@@ -7,7 +7,7 @@
 namespace flotilla::app {
 namespace {
 
-// Two ordinary crystals differ by less.
+// The clocks of two ordinary crystals drift apart by less.
 constexpr std::int64_t kDrift_ppm = 100;
 // No useful answer takes longer. A wider interval shows that TIMESYNC and stamps use different
 // clocks.
@@ -56,7 +56,7 @@ void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int6
   if (++answers_ % kAnswers == 0) nearness_ = std::exchange(next_, 0);
 }
 
-/// A share of the width below the upper bound.
+/// The upper bound less the width between the bounds / share.
 std::optional<std::int64_t> ClockOffset::below_upper(std::uint32_t share) const {
   if (!upper_ || !was_answered()) return upper_;
   return *upper_ - (kFarthest_us - nearness_) / share;

@@ -3,13 +3,13 @@
 //
 // offset = our time − their time. A message cannot arrive before it was stamped, so arrival − stamp
 // ≥ offset; a request cannot be read before it was sent, so sent − read ≤ offset. The bounds widen
-// as the clocks may drift; their middle is exact if both directions have the same latency. An answer
-// that contradicts the stamps leaves the offset without a lower bound, as if there had been none.
+// as the clocks may drift; their middle is exact if both directions have the same latency. An
+// answer that contradicts the stamps discards the lower bound, as if no answer had ever come.
 //
 // When the upper bound falls, either a message had less latency than all before it, or their clock
 // was set ahead or runs fast. So the lower bound falls by the same amount until an answer confirms
-// it. No answer counts for longer than the next 32, because their clock may have been set back and
-// ahead again.
+// it. An answer counts for at most the next 32 answers, because their clock may have been set back
+// and ahead again.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@ class Headings {
     std::int64_t arrived_us = 0;
   };
 
-  /// An older heading cannot be extrapolated to a position.
+  /// An older heading cannot be extrapolated to the time of a position.
   static constexpr std::int64_t kUsable_us = 300'000;
 
   /// The component's last heading; nullptr if it has sent none.
@@ -34,7 +34,7 @@ class Headings {
   enum class Verdict : std::uint8_t {
     kTaken,
     kLate,   ///< its stamp is not newer than the last one
-    kLeapt,  ///< implausible: possibly another vessel's clock, which would block later stamps
+    kLeapt,  ///< implausibly new: perhaps from another vessel; would make later stamps look old
   };
 
   /// silent: the vessel may have rebooted, so an old stamp is accepted.

@@ -21,7 +21,7 @@ class JumpGuard {
   enum class Verdict : std::uint8_t {
     kGoesOn,
     kRefused,
-    kMoved,  ///< the new place is believed; the jump is no motion
+    kMoved,  ///< the new place is believed; the jump does not count as motion
   };
 
   /// Limits of an unknown leader: the fastest model boat.
@@ -57,8 +57,8 @@ class JumpGuard {
   /// The state that the next one is compared with.
   const std::optional<Seen>& last() const { return last_; }
 
-  /// The latest possible stamp, by the last state's clock, of a state that arrives now with another
-  /// clock's stamp.
+  /// For a state that arrives now with another clock's stamp: its latest possible stamp by the
+  /// clock of the last state.
   std::int64_t stamp_after_last(std::int64_t now_us) const {
     return last_->stamp_us + (now_us - last_->arrived_us) + kSettled_us;
   }
@@ -108,7 +108,7 @@ class JumpGuard {
     moved_ = true;
   }
 
-  /// Notes an implausible report found elsewhere.
+  /// Notes an implausible report that the caller has found.
   void note_jump(std::int64_t now_us) { jumped_us_ = now_us; }
 
   /// A jump was believed since accept().

@@ -17,7 +17,7 @@ namespace flotilla::app {
 template <class S>
 class Liveness {
  public:
-  /// patience_s: a shorter repetition is no fault.
+  /// patience_s: the shortest repetition that counts as frozen.
   explicit Liveness(S patience_s) : patience_s_(patience_s) {}
 
   /// A state, h seconds after the previous one; 0 if it does not continue that one.

@@ -25,8 +25,8 @@ class MotionFilter {
     if (std::exchange(stands_by_, on) != on) begin_decimation();
   }
 
-  /// Takes a state, dt after the last one, 0 if no motion led to it; resumes: the last one came
-  /// from another source.
+  /// Takes a state; its dt is the time since the last one, or 0 if no motion led to it. resumes:
+  /// the last one came from another source.
   void take(const core::TrackMessage<S>& state, bool resumes) {
     if (stands_by_ && !resumes && S(0) < state.dt) {
       take_seldom(state);
@@ -71,7 +71,7 @@ class MotionFilter {
 
   bool smooths_ = true, stands_by_ = false;
   core::TrackState<S> track_;
-  core::TrackState<S> filtered_;  // the last one that the filter gave while it stands by
+  core::TrackState<S> filtered_;  // last output of the filter, kept in stand-by
   S since_{};                     // since the state of filtered_
   std::optional<core::TrackMessage<S>> fix_;
 };

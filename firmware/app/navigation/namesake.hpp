@@ -25,7 +25,7 @@ class Namesake {
     clock_ = {began_us, now_us};
   }
 
-  /// Within the last ten seconds.
+  /// Two vessels were detected within the last ten seconds.
   bool seen(std::int64_t now_us) const { return now_us - seen_us_ < kGone_us; }
 
  private:
@@ -40,7 +40,7 @@ class Namesake {
     bool is(std::int64_t at_us) const { return std::abs(at_us - began_us) < kApart_us; }
   };
 
-  Clock clock_, other_;  ///< heard last, and before
+  Clock clock_, other_;  ///< the one heard last, and the one before it
   int returns_ = 0;      ///< consecutive alternations between the two clocks
   std::int64_t seen_us_ = kNever;
 };

@@ -12,20 +12,20 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kShipForgotten_us = 30'000'000;
-// A vessel whose states all seem late is believed again after this: its clock may have been set
-// back, or one wrong stamp may have been ahead. Its place, even if it is old, is better than none.
+// A vessel all of whose states seem late is believed again after this time: its clock may have been
+// set back, or one wrong stamp may have run ahead. Even an old place is better than none.
 constexpr std::int64_t kHidden_us = 60'000'000;
-constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two reports, and a half minute
+constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two of its reports, and half a minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
 constexpr std::uint32_t kLastSystem = 255;
-// Of too many vessels, one that moves counts as nearer by its way in this time, so that boats at
-// rest do not hide a ship that approaches.
+// If there are more vessels than entries, a moving one counts as nearer by the distance that it
+// covers in this time, so that boats at rest do not displace a ship that approaches.
 constexpr float kFarSighted_s = 30;
 constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
 constexpr std::int64_t kDrift = 1'000;  // no two clocks drift apart by 1/kDrift
 constexpr float kDeepest = 250;
 
-/// Way in kFarSighted_s of who has these velocities, or up to 1.4 times as much. The
+/// The distance covered in kFarSighted_s at these velocities, or up to 1.4 times as much. The
 /// microcontroller's image has no room for this rule.
 float way_of(float ahead_mps, float aside_mps) {
   if (FLOTILLA_WEIGHS_SPEED == 0) return 0;
@@ -121,7 +121,7 @@ void Neighbours::take_depth(link::Address from, const link::NamedValueFloat& mes
   if (Vessel* vessel = find(system)) vessel->depth = depth;
 }
 
-/// When all are in use, replaces the frames of vessels without an entry in turn.
+/// When all frames are in use, replaces those of vessels without an entry, in turn.
 void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message) {
   if (!convert::is_valid(message)) return;
   LocalFrame* frame = std::ranges::find(local_frames_, system, &LocalFrame::system);
@@ -239,7 +239,7 @@ Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
 }
 
 /// The vessel's own entry, else a free one, else that of the farthest vessel if this one is nearer.
-/// Both distances are less the way in kFarSighted_s.
+/// Each distance is reduced by way_of().
 Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
                                           const convert::Position& own, std::int64_t now_us) {
   if (Vessel* known = find(id)) return known;

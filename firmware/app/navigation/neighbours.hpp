@@ -33,7 +33,7 @@ class Neighbours {
 
   bool watches() const { return watches_; }
 
-  /// Any message. Places are kept in the local frame of `own`. `reach_m`: half of the length by
+  /// Takes any message. Keeps places in the local frame of `own`. `reach_m`: half of the length by
   /// which the sender's hull is longer than ours; nullopt: unknown. S: scalar of the computation.
   template <class S = double>
   void take(const link::Received& received, const convert::Position& own, std::int64_t now_us,
@@ -57,34 +57,35 @@ class Neighbours {
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
-  /// System id of a vessel some or all of whose messages arrive more than three seconds late, too
-  /// old to keep clear of it.
+  /// System id of a vessel whose messages, some or all, arrive more than three seconds late: too
+  /// late to keep clear of it.
   std::optional<std::uint8_t> late(std::int64_t now_us) const {
     return now_us - late_us_ < kForgotten_us ? std::optional(late_) : std::nullopt;
   }
 
-  /// Links of the tree to us from a virtual leader, or from a leader that sends no depth.
+  /// Our depth in the tree: our leader's plus 1; 1 if our leader is virtual or sends no depth.
   std::uint8_t depth() const;
 
  private:
   static constexpr std::int64_t kForgotten_us = 3'000'000;
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   struct Vessel {
-    std::uint32_t id = 0;  ///< system id, or MMSI, which is greater; 0: a free entry
+    std::uint32_t id = 0;  ///< system id, or MMSI (always greater); 0: a free entry
     bool located = false;
     bool dated = false;    ///< ahead_us is known
     bool rests = false;    ///< a ship that stays where it is
     bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
-    float reach_m = 0;  ///< of a ship's hull beyond the position, or of a member's beyond ours
+    float reach_m = 0;  ///< how far a ship's hull extends from its position, a member's beyond ours
     Metres north_m, east_m;
     std::int64_t true_us = 0;       ///< when its state was true, by our clock
     std::int64_t ahead_us = 0;      ///< our clock minus its stamps, from its fastest message
     std::int64_t late_us = kNever;  ///< when a message last came too late to be used
   };
 
-  /// Origin of a system's local frame. Vessels without an entry have one too: they may come nearer.
+  /// Origin of a system's local frame; also kept for vessels without an entry: they may come
+  /// nearer.
   struct LocalFrame {
     std::int32_t latitude = 0, longitude = 0, altitude = 0;  ///< as in GPS_GLOBAL_ORIGIN
     std::uint8_t system = 0;                                 ///< 0: free

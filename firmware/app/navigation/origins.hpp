@@ -11,8 +11,8 @@
 namespace flotilla::app {
 
 /// Local positions count from the origin that their sender reports. Global ones are anchored: they
-/// count from that origin if it is near, else from the first of them, and keep it, because
-/// followers rely on it.
+/// count from that origin if it is near, else from the first global position; the anchor does not
+/// change, because followers rely on it.
 class Origins {
  public:
   /// The last position, from the origin in use.
@@ -28,7 +28,7 @@ class Origins {
   /// The last position can be compared with other vessels'.
   bool located() const { return located_; }
 
-  /// The positions in use are local, and their origin would move.
+  /// Whether the positions in use are local, and this origin would move them.
   bool moves_to(const link::GpsGlobalOrigin& origin) const {
     const link::GpsGlobalOrigin& old = told_.origin;
     const bool same = origin.latitude == old.latitude && origin.longitude == old.longitude;

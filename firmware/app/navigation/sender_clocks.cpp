@@ -39,7 +39,7 @@ std::optional<SenderClocks::Stamp> SenderClocks::heard(link::Address from, std::
     *sender = {from, rank, stamp_us, now_us, {}};
   }
   stamp_us = convert::unwrapped_us(stamp_us, sender->stamp_us);
-  // Time without a newer stamp: a restarted clock sends only older ones at first.
+  // Counts from the last newer stamp: a restarted clock sends only older stamps at first.
   const std::int64_t silent_us = now_us - sender->arrived_us;
   const bool back = stamp_us < sender->stamp_us;
   const bool overtaken =

@@ -11,7 +11,7 @@
 
 namespace flotilla::app {
 
-/// When full, keeps the senders nearest to the root: news comes from there.
+/// When full, keeps the senders nearest to the root, whose references are the newest.
 class SenderClocks {
  public:
   /// Latency of senders that answer no TIMESYNC; nothing: unknown.
@@ -20,13 +20,13 @@ class SenderClocks {
   /// A stamp in our time, no later than now.
   struct Stamp {
     std::int64_t us;
-    std::int64_t least_us;  ///< at the clock's worst possible error
+    std::int64_t least_us;  ///< the stamp at the clock's worst possible error
     bool timed;             ///< false: the latency is unknown, and taken as 0
     bool overtaken;         ///< a later message of the sender came first, on a faster link
   };
 
-  /// A message of that sender has arrived; nothing if there is no room for its clock. Rank: depth in
-  /// the tree, from 1; 0 is the leader, whose clock always finds room.
+  /// Call when a message of that sender arrives; returns nothing if there is no room for its clock.
+  /// rank: depth in the tree, from 1; 0 is the leader, whose clock always finds room.
   std::optional<Stamp> heard(link::Address from, std::uint8_t rank, std::uint32_t time_boot_ms,
                              std::int64_t now_us);
 

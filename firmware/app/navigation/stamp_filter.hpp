@@ -14,8 +14,8 @@ class StampFilter {
  public:
   enum class Verdict : std::uint8_t {
     kNext,       ///< newer than the last one, or the first
-    kSet,        ///< newer, but more than 1 s off the time that has passed: the clock was set
-    kWrapped,    ///< 10 min too new: a 32-bit clock that restarts appears to leap ahead
+    kSet,        ///< newer, by over 1 s more or less than our clock advanced: theirs was set
+    kWrapped,    ///< over 10 min too new: a restarted 32-bit clock appears to leap ahead
     kLate,       ///< not newer
     kRestarted,  ///< not newer, but old stamps advance, as only those of a restarted clock can
   };

@@ -15,7 +15,7 @@ constexpr int kSteady = 5;
 
 }  // namespace
 
-/// A duplicate, or a message overtaken on another path, neither counts nor breaks the row.
+/// A duplicate, or a message overtaken on another link, neither lengthens nor ends the row.
 void StateSources::hear(Source source, std::int64_t stamp_us, std::int64_t now_us, bool accepted) {
   Heard& in = heard(source);
   if (in.in_a_row > 0 && stamp_us == in.stamp_us) return;
@@ -26,7 +26,7 @@ void StateSources::hear(Source source, std::int64_t stamp_us, std::int64_t now_u
     if (stamp_us < in.stamp_us) in.clock.reset();
     in.clock.heard(stamp_us, now_us);
   }
-  // The vessel rebooted, or only this message is late: change_to() decides.
+  // Either the vessel rebooted or only this message is late: change_to() decides.
   in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
   in.newest_us = in.in_a_row > 0 ? std::max(in.newest_us, stamp_us) : stamp_us;
   in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;
@@ -84,7 +84,7 @@ void StateSources::reboot(std::int64_t stamp_us) {
 void StateSources::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
   for (Heard& in : heard_) {
     if (in.in_a_row == 0) continue;
-    // ODOMETRY's stamps do not wrap: an offset of whole turns of 49 days means another clock.
+    // ODOMETRY's stamps do not wrap: an offset of a multiple of 49 days means another clock.
     const bool wraps = &in != &heard(Source::kOdometry);
     in.clock.answered(sent_us, wraps ? convert::unwrapped_us(read_us, in.stamp_us) : read_us,
                       now_us);

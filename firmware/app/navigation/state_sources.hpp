@@ -41,8 +41,8 @@ class StateSources {
   /// Whether `source` should replace the one in use.
   bool better(Source source, std::int64_t now_us, bool origin_known) const;
 
-  /// Its stamps went back since it was last in use: the vessel rebooted, and its local frame may
-  /// have another origin.
+  /// The source's stamps went back since it was last in use: the vessel rebooted, and its local
+  /// frame may have another origin.
   bool went_back(Source source) const { return heard(source).went_back; }
   void change_to(Source source);
 

@@ -22,7 +22,7 @@ class TimeRequests {
   }
 
   /// Time at which we sent the request that this answers, µs; nothing if it is not among the last
-  /// 32, as so late an answer is useless.
+  /// 32, because so late an answer is useless.
   std::optional<std::int64_t> sent_us(const link::Timesync& answer) const {
     for (const std::int64_t ts1 : asked_) {
       if (ts1 != 0 && ts1 == answer.ts1) return ts1 / 1000;
@@ -30,7 +30,7 @@ class TimeRequests {
     return std::nullopt;
   }
 
-  /// Reports when the request was read, although the answer leaves with the tick.
+  /// The answer gives the time at which the request was read; it is sent only with the next tick.
   static link::Timesync answer_to(const link::Timesync& request, link::Address asker,
                                   std::int64_t read_us) {
     return {std::max<std::int64_t>(read_us * 1000, 1), request.ts1,

@@ -249,13 +249,13 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   }
   if (jump == Jump::kMoved) {
     moved();
-    if (stamp != Stamp::kNext) sources_.reset_clock();  // late states would not have jumped
+    if (stamp != Stamp::kNext) sources_.reset_clock();  // a jump: not just a late state
   } else if (stamp == Stamp::kWrapped) {
     rebooted(stamp_us);
   }
-  // The clock of a unit with one link was set back, unless TIMESYNC contradicts that. Other vessels
-  // are not judged like this: their states may have been overtaken on a faster link that is now
-  // silent.
+  // Regularly late states of a unit with one link mean that its clock was set back, unless TIMESYNC
+  // contradicts that. Other vessels' states may instead have been overtaken on a faster link that
+  // is now silent.
   if (identity_.keeps && stamps_.regularly_late() && !bounded()) sources_.reset_clock();
   const bool moves = reframed_ && !state.sample.at;  // an anchor stays
   if (far || moves || !origins_.is_of_kind(state.sample)) {

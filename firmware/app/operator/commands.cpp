@@ -35,7 +35,7 @@ std::optional<std::uint32_t> whole(double param, double most) {
   return number == param ? std::optional(number) : std::nullopt;
 }
 
-/// Force is legal, but overrides no check.
+/// The parameter "force" is allowed, but overrides no check.
 DecodedCommand arm_or_disarm(const Command& c) {
   if (c.param[0] == 0) return {mav::kAccepted, Request::kDisarm};
   const bool force_is_legal = unused(c.param[1]) || c.param[1] == kForce;

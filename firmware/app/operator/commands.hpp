@@ -27,14 +27,14 @@ using RequestMessage =
                  link::LogRequestList, link::LogRequestData, link::LogRequestEnd,
                  link::SetPositionTargetLocalNed, link::SetPositionTargetGlobalInt>;
 
-/// COMMAND_LONG, COMMAND_INT, SET_MODE, MISSION_SET_CURRENT, or a MISSION_ITEM_INT that is "go here",
-/// in one form.
+/// One form of COMMAND_LONG, COMMAND_INT, SET_MODE, MISSION_SET_CURRENT, and of a MISSION_ITEM_INT
+/// that is "go here".
 struct Command {
   std::uint16_t id;
   std::array<double, 7> param;  ///< as received; unused ones may be NaN
   link::Address target;
   bool repeated = false;                ///< a retransmission (COMMAND_LONG.confirmation)
-  bool wants_ack = true;                ///< COMMAND_ACK; the last three have none
+  bool wants_ack = true;                ///< a COMMAND_ACK answers it; not the last three above
   std::optional<std::uint8_t> frame{};  ///< of a COMMAND_INT, whose place is in degE7
 };
 std::optional<Command> command_of(const RequestMessage& message);
@@ -47,14 +47,14 @@ bool is_disarm(const Command& command);
 /// Disarming or flight termination: obeyed from anybody.
 bool is_stop(const Command& command);
 
-/// The same, or HOLD: never ignored as a copy, lost or postponed, and obeyed from any correctly
-/// signed message, whatever its age.
+/// Disarming, flight termination or HOLD: never ignored as a copy, never dropped or postponed, and
+/// with a correct signature obeyed at any age.
 bool stops_boat(const Command& command);
 bool stops_boat(const link::Message& message);
 
 struct MessageRequest {
   std::uint16_t id = 0;
-  std::uint32_t index = 0;  ///< meaning depends on the message; 0: all
+  std::uint32_t index = 0;  ///< its meaning depends on the message; 0: all
 };
 
 struct MessageRate {
@@ -72,13 +72,13 @@ struct DecodedCommand {
   std::optional<MessageRequest> message{};
   std::optional<MessageRate> rate{};
   std::optional<Failure> failure{};   ///< supported only by hosts that simulate
-  std::optional<std::size_t> item{};  ///< of the plan, to go on from
+  std::optional<std::size_t> item{};  ///< of the plan, to continue from
   std::optional<bool> paused{};       ///< of the plan or the errand
   std::optional<Target> target{};     ///< with Request::kGuided, or for a boat in GUIDED
   std::optional<bool> fence{};        ///< on or off
   std::string_view why{};             ///< of a refusal, for the operator
 
-  /// Read-only: allowed from any sender.
+  /// Whether the command only reads: then any sender may give it.
   bool reads_only() const { return message.has_value(); }
 };
 DecodedCommand meaning_of(const Command& command);

@@ -36,7 +36,7 @@ class Copies {
  private:
   struct Seen {
     std::uint32_t ms = 0, id = 0;
-    link::Address from{};  // of nobody
+    link::Address from{};  // 0, 0: a free entry
     std::uint8_t sequence = 0, link = 0;
     std::uint16_t checksum = 0;
   };
@@ -53,9 +53,9 @@ class Copies {
   std::size_t next_ = 0;
 };
 
-/// A stream of a sender (sticks, setpoints) counts on one link, and on another one only after 5 s of
-/// silence: otherwise late copies would alternate with newer messages, which are too frequent to
-/// note each one. Remembers the last two senders: one operator often takes over from another.
+/// Accepts a sender's stream (sticks, setpoints) on one link, and on another link only after 5 s of
+/// silence: otherwise late copies would alternate with newer messages, and these are too frequent
+/// to note each one. Remembers the last two senders: one operator often takes over from another.
 class StreamLink {
  public:
   [[gnu::noinline]] bool takes(link::Address from, std::size_t link, std::int64_t now_us) {

@@ -32,13 +32,14 @@ class Identity {
     return ardupilot_ ? link::mav::kAutopilotArdupilot : link::mav::kAutopilotGeneric;
   }
 
-  /// A message for this target is for us, perhaps among others.
+  /// Whether a message for this target is for us, alone or among others.
   bool addressed(link::Address target) const {
     return (target.system == 0 || target.system == self_.system) &&
            (target.component == 0 || target.component == self_.component);
   }
 
-  /// Requests to the whole system are for its autopilot; we are only the companion.
+  /// Whether a request to this target is for the autopilot whose companion we are: if it is for
+  /// the whole system.
   bool is_autopilots(link::Address target) const { return companion_ && target.component == 0; }
 
   void heard(link::Address from, const link::Heartbeat& heartbeat, std::uint8_t leader,
@@ -50,14 +51,14 @@ class Identity {
     if (!first_us_) first_us_ = now_us;
   }
 
-  /// Another sender has used our ids.
+  /// Call when another sender has used our ids.
   void heard_twice(std::int64_t now_us) {
     doubled_ = true;
     doubled_us_ = now_us;
   }
-  /// It has done so within the last ten seconds.
+  /// Another sender has used our ids within the last ten seconds.
   bool doubled(std::int64_t now_us) const { return now_us - doubled_us_ < 10'000'000; }
-  /// It has done so since the last call.
+  /// The same, since the last call.
   bool take_doubled() { return std::exchange(doubled_, false); }
 
   /// Whether the system id has just changed.

@@ -28,7 +28,7 @@ inline bool ends(const PendingRequest& pending) {
   return command && is_stop(*command);
 }
 
-/// The same, or a HOLD that is obeyed: must never be lost or postponed.
+/// Disarms, terminates, or is a HOLD that is obeyed: must never be lost or postponed.
 inline bool stops(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
   return command && (pending.may_command ? stops_boat(*command) : is_stop(*command));
@@ -71,8 +71,8 @@ class Inbox {
   enum class Taken : std::uint8_t {
     kAnswered,
     kKept,  ///< until the next call
-    kLast,  ///< answered; those behind it are kept
-    kStop,  ///< the same, and requests that would undo the stop are dropped
+    kLast,  ///< answered; all requests behind it are kept
+    kStop,  ///< as kLast, but kept requests that would undo the stop are dropped
   };
 
   /// Calls answer(request) for each in order, up to kLast or kStop; returns whether one of these

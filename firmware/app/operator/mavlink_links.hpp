@@ -19,10 +19,10 @@
 
 namespace flotilla::app {
 
-/// Upper limit for any boat.
+/// Greatest number of links of any boat.
 constexpr std::size_t kMaxLinks = 4;
 
-/// How a link treats signatures.
+/// How a link handles signatures.
 enum class SigningPolicy : std::uint8_t {
   kOff,       ///< sends unsigned, ignores signatures
   kAccept,    ///< sends signed; accepts unsigned messages, rejects wrong signatures
@@ -39,7 +39,7 @@ constexpr std::optional<SigningPolicy> signing_policy(std::string_view name) {
 
 /// One link's output in a tick. Hosts with datagrams cut it between messages.
 using Datagram = std::array<std::uint8_t, 1400>;
-/// Bytes of it to keep free for heartbeat and state.
+/// Bytes of a datagram to keep free for heartbeat and state.
 constexpr std::size_t kOwnRoom = 250;
 
 class MavlinkLinks {
@@ -48,7 +48,7 @@ class MavlinkLinks {
     link::MavlinkDecoder decoder;
     link::MavlinkEncoder encoder;
     std::size_t size = 0;                       // bytes of output so far
-    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is for our own messages
+    std::array<std::uint8_t, 400> forwarded{};  // the rest of the datagram is for our own messages
     std::size_t forwarded_size = 0;
     std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of our last heartbeats
     std::size_t next_beat = 0;
@@ -209,8 +209,9 @@ class MavlinkLinks {
  private:
   static constexpr std::int64_t kPatience_us = 300'000;  // the longest message at 9600 Bd
 
-  /// Restarts the wait after each complete message, as the bytes behind it are no older. Bytes
-  /// behind a false start may be as old as that start, so giving up one does not restart the wait.
+  /// Restarts the wait after each complete message, because the bytes behind it came with it or
+  /// later. Bytes behind a false start may be as old as that start, so giving up a false start does
+  /// not restart the wait.
   static void note_waiting(Link& l, std::int64_t now_us) {
     const bool heard = std::exchange(l.whole, l.decoder.whole()) != l.decoder.whole();
     if (!l.decoder.has_bytes()) {

@@ -10,8 +10,8 @@
 
 namespace flotilla::app {
 
-/// The pilot takes over to MANUAL with the switch, or by moving a stick away from where it rested
-/// when the law began to drive, so a throttle may rest at its lower end; switching off leads to
+/// The pilot takes over in MANUAL by the switch, or by moving a stick away from where it rested
+/// when the law began to drive, so a throttle may rest at its lower end. Switching off leads to
 /// HOLD. Channels as on ArduPilot Rover: 1 steers, 3 is the throttle.
 class RcInput {
  public:

@@ -13,15 +13,15 @@ namespace flotilla::app {
 
 class SailingOrders {
  public:
-  /// A target for GUIDED, instead of velocities. It ends a pause, but not if it is the same as
-  /// before: then it may be a late copy.
+  /// Sets a target for GUIDED, instead of velocities. A new target ends a pause; the same one again
+  /// does not, because it may be a late copy.
   void go_to(const Target& target) {
     paused_ = paused_ && ordered_ == target;
     ordered_ = target_ = target;
     drive_.reset();
   }
 
-  /// A script's setpoint for GUIDED: a new target, velocities, or neither.
+  /// Takes a script's setpoint for GUIDED: a new target, velocities, or neither.
   void set(const std::optional<Target>& target, const std::optional<core::Drive<double>>& drive,
            std::int64_t now_us) {
     if (target) target_ = target;
@@ -33,7 +33,7 @@ class SailingOrders {
   const std::optional<Target>& target() const { return target_; }
   std::optional<Target> take_target() { return std::exchange(target_, std::nullopt); }
 
-  /// Velocities that a script has set for GUIDED, until it was silent for three seconds.
+  /// The velocities that a script has set for GUIDED; nothing once it is silent for three seconds.
   std::optional<core::Drive<double>> drive(std::int64_t now_us) const {
     constexpr std::int64_t kSilent_us = 3'000'000;
     return now_us - drive_us_ < kSilent_us ? drive_ : std::nullopt;
@@ -43,7 +43,7 @@ class SailingOrders {
   void pause(bool paused) { paused_ = paused; }
   bool is_paused() const { return paused_; }
 
-  /// The boat has entered another state: pause and velocities do not apply there.
+  /// Call when the boat has entered another state: pause and velocities no longer apply.
   void enter_state() {
     paused_ = false;
     drive_.reset();

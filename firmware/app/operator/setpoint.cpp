@@ -24,7 +24,7 @@ struct Request {
 
 bool has(const Request& request, unsigned fields) { return (request.ignored & fields) == 0; }
 
-/// Whether two fields are both unused, or both used and finite.
+/// Whether the fields a and b are both ignored, or both used and finite.
 bool is_whole(const Request& request, unsigned fields, double a, double b) {
   if ((request.ignored & fields) == fields) return true;
   return has(request, fields) && std::isfinite(a) && std::isfinite(b);
@@ -46,7 +46,7 @@ Setpoint velocity_of(const Request& request) {
   return {.drive = drive};
 }
 
-/// place: nothing if it is in a frame for velocities only.
+/// place: nothing if the frame is for velocities only.
 Setpoint setpoint(const Request& request, const std::optional<convert::GlobalPoint>& place) {
   if ((request.ignored & kAcceleration) != kAcceleration)
     return {.why = "acceleration not supported"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Decodes the setpoints of scripts: SET_POSITION_TARGET_LOCAL_NED and SET_POSITION_TARGET_GLOBAL_INT.
+// Decodes the setpoints of scripts: SET_POSITION_TARGET_LOCAL_NED and _GLOBAL_INT.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ struct Setpoint {
   std::string_view why{};
 };
 
-/// own: must have a known place; its origin is also that of local places.
+/// own: its place must be known; local places count from its origin.
 Setpoint setpoint_of(const link::SetPositionTargetLocalNed& message, const convert::OwnState& own);
 Setpoint setpoint_of(const link::SetPositionTargetGlobalInt& message);
 

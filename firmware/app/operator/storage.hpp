@@ -46,7 +46,7 @@ struct Outbox {
   CanOutput can;
 };
 
-/// Both, as passed to a boat; the owner keeps them for the boat's lifetime.
+/// Refers to a Room and an Outbox for a boat; their owner keeps them for the boat's lifetime.
 struct Storage {
   template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems,
             std::size_t kFenceItems, std::size_t kRallyPoints, std::size_t kLogs>

@@ -7,7 +7,7 @@ void TimesyncSender::ask(std::int64_t now_us, std::uint8_t self, std::int64_t sl
                          link::Counters& counters) {
   if (!due_.take_if_due(now_us)) return;
   const link::Timesync request = time_.ask(now_us, self);
-  const std::int64_t before_us = slowed_us - kSecond_us;  // one turn less
+  const std::int64_t before_us = slowed_us - kSecond_us;  // the turn before the one that is due
   const bool everywhere = now_us - asked_everywhere_us_ > before_us + kSecond_us / 20;
   if (everywhere) asked_everywhere_us_ = now_us;
   const unsigned own = router_.links_to({self, 0}, now_us);

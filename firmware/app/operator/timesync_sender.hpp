@@ -20,13 +20,13 @@ class TimesyncSender {
                  std::int64_t tick_us)
       : time_(time), links_(links), router_(router), due_(kSecond_us, tick_us / 2) {}
 
-  /// Asks once a second. All vessels in range answer each other's requests, which is most of a slow
-  /// radio's load; so others are asked only every `slowed_us`. The own unit is still asked every
-  /// second: if it does not answer, it counts as late.
+  /// Call in every tick. All vessels in range answer each request, which makes up most of a slow
+  /// radio's load; so the others are asked only every `slowed_us`. The own unit is asked every
+  /// second, because it counts as late if it does not answer.
   void ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_us,
            link::Counters& counters);
 
-  /// Asks a new leader, whose clock is not known yet. Until it is, the boat coasts.
+  /// Asks a new leader whose clock offset is unknown; the boat coasts until it is known.
   void ask_leader(std::int64_t now_us, std::uint8_t self, std::uint8_t leader,
                   link::Counters& counters);
 

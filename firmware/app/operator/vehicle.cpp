@@ -17,10 +17,10 @@ namespace mav = link::mav;
 using core::Request;
 using core::State;
 
-// Bytes of a tick's 1400 to keep free for heartbeat, state and 24 answers.
+// Bytes of a tick's datagram to keep free for heartbeat, state and 24 answers.
 constexpr std::size_t kKeptRoom = 1000;
 
-/// A message's request, which the next tick must answer; std::monostate if it has none.
+/// The request in a message, for the next tick to answer; std::monostate if there is none.
 struct RequestOf {
   const link::FtpServer& ftp;
 
@@ -43,8 +43,8 @@ bool undoes_stop(const PendingRequest& pending) {
   return command && meaning_of(*command).request != Request::kNone;
 }
 
-/// A late copy of this request could undo a newer one. Items of an upload are numbered, and other
-/// requests change nothing.
+/// Whether a late copy of this request could undo a newer one. Items of an upload cannot, because
+/// they are numbered; other requests change nothing.
 bool could_undo(const RequestMessage& request) {
   const auto command = command_of(request);
   return (command && !meaning_of(*command).reads_only()) ||
@@ -312,7 +312,7 @@ Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
   return decision;
 }
 
-/// A key protects only links that require signatures, and only while the time is known.
+/// Warns that a key protects only links that require signatures, and only while the time is known.
 void Vehicle::warn_of_signing(link::Counters& counters) {
   if (!links_.signing().has_key() || !texts_.take_if_due(Repeated::kSigning, now_us_)) return;
   Sentence open;
@@ -348,7 +348,7 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
   }
 }
 
-/// "LAW_KDR 10 gives a yaw loop of 1.2 s, LAW_KPSI allows 1 s or less."
+/// For example "LAW_KDR 10 gives a yaw loop of 1.2 s, LAW_KPSI allows 1 s or less."
 void Vehicle::tell_gain_fault(link::Counters& counters) {
   const auto found = gain_fault(parameters_);
   if (!found) return;

@@ -70,11 +70,11 @@ class Vehicle {
   /// Applies the RC pilot's request, which overrides those of other operators.
   void apply_rc(link::Counters& counters);
 
-  /// A request by the fleet's rule, judged like an operator's, with the last report. False if it is
-  /// refused.
+  /// Takes a request of the fleet's rule, judged like an operator's, by the last report. False if
+  /// it is refused.
   bool obey(core::Request request, link::Counters& counters);
 
-  /// A stop by the fleet: HOLD, if the boat is under way; requests that would undo it are dropped.
+  /// Takes a stop by the fleet: HOLD if the boat is under way; drops requests that would undo it.
   /// False if the boat still drives.
   bool obey_stop(link::Counters& counters);
 
@@ -86,7 +86,7 @@ class Vehicle {
   /// parameter. If true, apply the change (see take_change()) and call again.
   bool answer(link::Counters& counters);
 
-  /// Requests are pending; their answers may need a report.
+  /// Whether requests are pending, whose answers may need a report.
   bool is_asked() const { return !inbox_.is_empty(); }
 
   /// Sets the origin of the local positions that we send.
@@ -98,7 +98,7 @@ class Vehicle {
   /// Sets the values that telemetry and answers use from now on.
   void report(const Report& report);
 
-  /// A request of the boat itself.
+  /// Takes a request of the boat itself.
   void request(core::Request request, link::Counters& counters);
 
   /// Sends telemetry and pending answers.
@@ -117,7 +117,7 @@ class Vehicle {
   void sailed(std::size_t item, std::optional<std::size_t> reached, bool complete,
               link::Counters& counters);
 
-  /// Takes effect in the next tick, after all other requests.
+  /// Disarms the boat in the next tick, after all other requests.
   void disarm() { disarm_ = true; }
 
   link::Address self() const { return identity_.self(); }
@@ -157,7 +157,7 @@ class Vehicle {
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_jump(DecodedCommand& asked);
   std::uint8_t answer_of_plan(DecodedCommand& asked);
-  /// By a pilot's switch: it counts on every link, and is from no operator.
+  /// Notes a stop by a pilot's switch: it counts on every link, and is from no operator.
   void note_stop() { stop_ = {now_us_, {}, 0xFF}; }
   void judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
@@ -206,10 +206,10 @@ class Vehicle {
   struct Stop {
     std::int64_t us = std::numeric_limits<std::int64_t>::min() / 2;
     link::Address by{};
-    std::uint8_t links = 0;  ///< it came on, by bits
+    std::uint8_t links = 0;  ///< on which it came, a bit mask
   };
-  Stop stop_;                           // the last one
-  std::optional<std::size_t> reached_;  // item
+  Stop stop_;                           // the last request that stops the boat
+  std::optional<std::size_t> reached_;  // last item reached
   Setpoints setpoints_;
   RcInput rc_;
 
@@ -220,7 +220,7 @@ class Vehicle {
   FailureJudge failure_judge_ = nullptr;
   std::optional<Failure> failure_;
   bool disarm_ = false;
-  std::string_view ignored_{};  // refusal_of() a message since the last tick
+  std::string_view ignored_{};  // why a message since the last tick was ignored
   bool announce_ = false;       // the state has changed: send a heartbeat at once
   std::int64_t now_us_ = 0;
 

@@ -8,9 +8,9 @@ namespace {
 namespace mav = link::mav;
 using core::Request;
 
-/// Whether a request drives the boat or prepares it for driving. Addressed to the whole system,
-/// such a request is for the autopilot, not for its companion; a request that stops the boat is for
-/// both.
+/// Whether a request drives the boat or prepares it for driving. If such a request is addressed to
+/// the whole system, it is for the autopilot and not for its companion; one that stops the boat is
+/// for both.
 bool drives(Request request) {
   switch (request) {
     case Request::kNone:
@@ -252,7 +252,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
                                            links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
-  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // denied: neither is set
+  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not set if denied
   // A new order ends a pause; a repeated one may be a late copy of an order before the pause.
   if (sails_alone(asked.request) && !asked.target && decision.granted && !command.repeated) {
     orders_.pause(false);

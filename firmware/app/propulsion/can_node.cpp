@@ -45,7 +45,7 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
   } else if (carries(*route, link::Allocation::kType)) {
     const auto transfer = receiver_.push(*route, link::Allocation::kType, data, now_us, counters);
     const auto request = transfer ? link::read_allocation(transfer->payload) : std::nullopt;
-    // A node that has an id is another allocator, and this is its answer.
+    // Allocations from a node that has an id are the answers of another allocator.
     if (request && route->source == 0) allocation_ = node_ids_.answer(*request, now_us);
   } else if (route->source != 0 && route->source != identity_.node) {
     take(*route, data, now_us, counters);
@@ -124,7 +124,7 @@ void CanNode::judge(Esc& esc, std::int64_t since_us) {
   const bool zeros = !std::exchange(esc.driven, false);
   esc.zeros_ms = zeros ? more(esc.zeros_ms) : std::uint16_t{0};
   longer(esc.drives_ms, esc.zeros_ms >= kRunDown_ms && esc.status.power_rating_pct >= kDrives_pct);
-  // NaN is unknown, and an ESC that cannot measure its current may report 0.
+  // A current of NaN is unknown; an ESC that cannot measure its current may also report 0.
   if (esc.status.current >= kDraws_A) esc.measures = true;
   const bool draws_none = esc.measures && esc.status.current < kDraws_A;
   longer(esc.turns_ms, zeros && !draws_none && std::abs(esc.status.rpm) >= kTurns_rpm);

@@ -26,7 +26,7 @@ class CanNode {
     std::uint8_t system;  ///< MAVLink system id, part of the unique id
   };
 
-  /// early_us: half a control period, so that jitter of the loop does not skip a turn.
+  /// early_us: half a control period, so that jitter of the loop does not skip a turn to send.
   CanNode(Identity identity, std::int64_t early_us)
       : identity_(identity),
         node_ids_(identity.node),
@@ -39,8 +39,8 @@ class CanNode {
   /// The ESC's status came within the limit, from a single node, which is operational and OK.
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
 
-  /// Neither ESC drives its propeller while commanded to stop, nor has within the last second. A
-  /// windmilling propeller has time to come to rest, and may keep turning if its ESC draws no
+  /// For at least a second, neither ESC has driven its propeller while commanded to stop. A
+  /// windmilling propeller is given time to come to rest, and may keep turning if its ESC draws no
   /// current.
   bool escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const;
 
@@ -75,10 +75,10 @@ class CanNode {
     std::int64_t claimed_us = kNever;  ///< last status from a second node
     link::EscStatus status{};
     std::uint8_t node = 0;
-    bool driven = false;    ///< commanded to turn since its last status
+    bool driven = false;    ///< commanded to turn since the last status
     bool measures = false;  ///< has measured a current
     bool counts = false;    ///< has measured a rotation
-    // Durations up to its last status, ms, at most kMinute_ms:
+    // Durations up to the last status, ms, at most kMinute_ms:
     std::uint16_t zeros_ms = 0;   ///< commanded to stop
     std::uint16_t drives_ms = 0;  ///< driving although commanded to stop
     std::uint16_t turns_ms = 0;   ///< turning fast, and maybe driven, although commanded to stop
@@ -127,7 +127,7 @@ class CanNode {
   std::optional<std::int64_t> foreign_us_;
   std::int64_t button_us_ = kNever;
   std::int64_t safety_on_us_ = kNever;
-  std::array<SafetySwitch, 3> switches_{};  // whose silence is missed
+  std::array<SafetySwitch, 3> switches_{};  // heard once; their silence counts as pressed
   std::optional<std::int64_t> started_us_;
   Schedule arming_due_;
   Schedule status_due_;

@@ -35,8 +35,8 @@ class Thrusters {
   }
 
   /// Zeros at once unless `drive`; else moves towards the desired thrusts at the slew rate at most.
-  /// With may_rise false, neither thrust nor command exceeds the last step's larger magnitude
-  /// (ahead and astern curves differ).
+  /// With may_rise false, neither thrust nor command exceeds the larger magnitude of the last step;
+  /// both are limited because the curves ahead and astern differ.
   Output step(bool drive, const core::Thrust<S>& desired, S dt, bool may_rise = true) {
     Output out;
     out.raw.count = static_cast<std::uint8_t>(std::max(port_.index, stbd_.index) + 1);

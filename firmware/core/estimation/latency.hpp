@@ -50,7 +50,7 @@ struct Latency {
   static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
   static constexpr int kLength = 64;
   static constexpr S kBin = S(0.02);  ///< s
-  /// The last filter: the boat does not respond, γ = 0.
+  /// The last filter assumes that the boat does not respond, γ = 0.
   using Filters = Eigen::Array<S, kHypotheses + 1, 1>;
   struct {
     Filters r = all(S(0)), b = all(S(0)), gamma = responding(S(1));
@@ -66,7 +66,7 @@ struct Latency {
   S weight{};            ///< Σλ
 
   static Filters all(S number) { return Filters::Constant(number); }
-  /// `number` for each hypothesis, 0 for the boat that does not respond.
+  /// `number` for each latency, 0 for the boat that does not respond.
   static Filters responding(S number) {
     Filters numbers = all(number);
     numbers(kHypotheses) = S(0);
@@ -74,7 +74,7 @@ struct Latency {
   }
 };
 
-/// `known` is false while τ is unobservable, as in a boat that hardly responds to its moments.
+/// `known` is false while τ cannot be observed, as in a boat that hardly responds to its moments.
 template <class S>
 struct Late {
   S tau{};

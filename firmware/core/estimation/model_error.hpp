@@ -89,7 +89,7 @@ struct ModelErrorInput {
   Vec2<S> c_n{};
 };
 
-/// One equation: `y`, and the row φ.
+/// Corrects one axis by its equation: `y` and the row φ.
 template <class S>
 void model_error_correct(const ModelErrorParams<S>& params, ModelErrorAxis<S>& axis, S y,
                          const Eigen::Matrix<S, 4, 1>& phi) {
@@ -198,7 +198,7 @@ Share<S> balance_error(const ModelError<S>& state) {
   return {w_u * state.surge.x(1) + w_r * state.yaw.x(1), w_u * P_u + w_u * w_r * apart * apart};
 }
 
-/// Removes what the model has been corrected by: β of the propellers, δ of the drag.
+/// Removes from the estimates the corrections that the model has received: β, δ.
 template <class S>
 void model_error_applied(ModelError<S>& state, S beta, S delta) {
   state.surge.x(1) = state.surge.x(1) - beta;

@@ -21,8 +21,8 @@
 //
 // Source: paper (eq:1b). Not in paper, which knows the state at every instant: with k_dr = 10 the
 // yaw loop needs the yaw rate at more than 27 Hz, but many navigation units give it at 5 Hz. The
-// observer uses the applied wrench, so that b does not wind up where the propellers
-// saturate. The current is the sway error that keeps its direction over ground on every heading.
+// observer uses the applied wrench, so that b does not wind up where the propellers saturate. The
+// current is that part of the sway error whose direction over ground is the same on every heading.
 //
 // Q16.16: tested within ±500 (wrench given, N)
 #pragma once
@@ -109,13 +109,13 @@ void observer_carry(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& t
   while (S(0) < left) {
     const S h = min(left, S(0.02));
     state.motion = observer_step(vessel, state, tau, h);
-    // Beyond any boat's reach: there the arithmetic has diverged.
+    // No boat reaches these: there the arithmetic has diverged.
     state.motion.nu = bounded(state.motion.nu, Nu<S>{S(50), S(50), S(50)});
     left = left - h;
   }
 }
 
-/// The same under the applied wrench, which is recorded for late fixes.
+/// The same under the applied wrench, which it records for late fixes.
 template <class S>
 void observer_forward(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& tau, S time) {
   if (!(S(0) < time)) return;
@@ -225,7 +225,7 @@ Tau<S> unknown_wrench(const Vessel<S>& m, const Observer<S>& state) {
   return {m.m11 * state.b.u, m.m33 * state.b.r};
 }
 
-/// The motion `moment` seconds earlier, a millisecond or so.
+/// The motion `moment` seconds earlier; only for about a millisecond.
 template <class S>
 Motion<S> moment_before(Motion<S> motion, S moment) {
   const Vec2<S> way =

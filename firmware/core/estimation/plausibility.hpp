@@ -95,7 +95,7 @@ Innovation<S> innovation_of(const PlausibilityLimits<S>& limits, const Leg<S>& l
   return {off, max(max(place, heading), max(velocity, yaw_rate))};
 }
 
-/// Changes so small that they are plausible whatever was expected.
+/// Upper limits of changes that are plausible whatever was expected.
 template <class S>
 struct SmallMove {
   S place{};
@@ -112,7 +112,7 @@ SmallMove<S> small_move(const PlausibilityLimits<S>& limits) {
           limits.yaw_rate};
 }
 
-/// True only if it is certainly no jump; far cheaper than innovation_of().
+/// True only if the leg is certainly no jump; far cheaper than innovation_of().
 template <class S>
 bool hardly_moves(const SmallMove<S>& most, const Leg<S>& leg) {
   const auto within = [](S x, S limit) { return -limit < x && x < limit; };

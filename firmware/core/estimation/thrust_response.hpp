@@ -54,7 +54,7 @@ struct ThrustResponseAxis {
   S desired{};
   S given{};
   S resisted{};
-  S weight{};  ///< resistance, the sum of its terms' magnitudes
+  S weight{};  ///< sum of the magnitudes of the resistance's terms
   S P{};
   S Q{};
 };

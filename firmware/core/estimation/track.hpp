@@ -143,8 +143,8 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   state.a = max(state.a + p * (unforeseen - state.a), params.a_min);
 }
 
-/// Takes a message of another source, dt seconds newer than the last one. The two sources differ by
-/// their errors, not by an acceleration, so that the old derivatives are kept.
+/// Takes a message of another source, dt seconds newer than the last one. Keeps the old
+/// derivatives, because the two sources differ by their errors, not by an acceleration.
 template <class S>
 void track_resume(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
   const bool near = state.started && S(0) < in.dt && in.dt < params.gap;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The elementary functions of fixed.hpp, in integers; tools/fixed proves their errors.
 //
-// Each reduces its argument to an interval where a short polynomial is within 2⁻²⁷ of the function,
-// and rounds once. Polynomials are near minimax (Lawson's iteration); their terms alternate in sign
-// or are all positive, so that unsigned products suffice. Odd functions are computed from |x|.
+// Each function reduces its argument to an interval where a short polynomial is within 2⁻²⁷ of the
+// function, and rounds once. Polynomials are near minimax (Lawson's iteration); their terms
+// alternate in sign or are all positive, so that unsigned products suffice. Odd functions are
+// computed from |x|.
 #pragma once
 
 #include <array>
@@ -27,14 +28,14 @@ constexpr std::uint32_t phase(Q16 x) {
   return static_cast<std::uint32_t>((magnitude(x.raw()) * 44798133900177U) >> 32);
 }
 
-/// Within 2⁻²⁷, then rounded.
+/// sin of a phase, within 2⁻²⁷, then rounded.
 [[gnu::always_inline]] constexpr Q16 sine_of(std::uint32_t phase) {
   constexpr std::uint32_t kQuarter = 1U << 30;
   if (phase + kQuarter > 2 * kQuarter) phase = 2 * kQuarter - phase;
   const auto turned = Q16::of_raw(static_cast<std::int32_t>(phase));
   const std::uint32_t z = magnitude(turned.raw());
   // sin(½π z) = z (c0 − z² (c1 − …)), z² in 2⁻³¹, c_k in 2⁻³¹⁻ᵏ
-  const std::uint64_t square = std::uint64_t{z} * z;  // its halves: all that follows is 32 bits
+  const std::uint64_t square = std::uint64_t{z} * z;  // used in halves: 32-bit steps suffice
   const std::uint32_t zz = high(square) << 3 | low(square) >> 29;
   std::uint32_t p = 5182123U;
   p = 80268224U - high_product(zz, p);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Saturating sums of 32-bit integers, and whether one has saturated. A Cortex-M4 has instructions
-// for such sums, which set its flag Q. They take half as much code as a check for overflow, and a
+// for such sums, which set its flag Q. They take half as much code as a check for overflow, and the
 // law has some 600 sums.
 #pragma once
 
@@ -26,7 +26,7 @@ constexpr bool kSaturates = true;
 constexpr bool kSaturates = false;
 #endif
 
-/// The end of the range on that side; sets q16_overflow. A call is shorter than inline code.
+/// The lower or upper end of the range; sets q16_overflow. A call is shorter than inline code.
 [[gnu::cold, gnu::noinline]] inline std::int32_t end(bool negative) {
   q16_overflow = true;
   return negative ? std::numeric_limits<std::int32_t>::min()

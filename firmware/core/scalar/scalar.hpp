@@ -27,7 +27,8 @@ constexpr S clamp(S x, S low, S high) {
   return x < low ? low : (high < x ? high : x);
 }
 
-// Objects, which argument-dependent lookup does not find: Eigen calls std's of our scalars.
+// Objects, not functions, so that argument-dependent lookup does not find them: Eigen's calls for
+// our scalars then find std's.
 inline constexpr auto min = []<class S>(S a, S b) -> S { return b < a ? b : a; };
 inline constexpr auto max = []<class S>(S a, S b) -> S { return a < b ? b : a; };
 

@@ -8,7 +8,7 @@
 
 namespace flotilla::link {
 
-/// Rounds to nearest even; saturates at ±65504, infinity too ("saturated float16"); NaN stays.
+/// Rounds to nearest even; saturates at ±65504, infinity too ("saturated float16"). NaN stays NaN.
 inline std::uint16_t float16_from(float x) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
   const auto sign = static_cast<std::uint16_t>((bits >> 16U) & 0x8000U);

@@ -14,7 +14,7 @@
 
 namespace flotilla::link {
 
-/// uavcan.equipment.esc.RawCommand: [−8192, 8191], + ahead, 0 no rotation; array index = ESC index.
+/// uavcan.equipment.esc.RawCommand: −8192 … 8191, positive ahead, 0 stops; index in cmd: ESC index.
 struct RawCommand {
   static constexpr DataType kType{TransferKind::kMessage, 1030, 0x217F5C87D7EC951DULL};
   std::uint8_t count = 0;
@@ -68,7 +68,7 @@ struct EscStatus {
   std::uint8_t esc_index = 0;
 };
 
-/// uavcan.protocol.dynamic_node_id.Allocation: in requests node_id is the preference, 0: any.
+/// uavcan.protocol.dynamic_node_id.Allocation; a request's node_id is the preferred one, 0: any.
 struct Allocation {
   static constexpr DataType kType{TransferKind::kMessage, 1, 0x0B2A812620A11D40ULL};
   std::uint8_t node_id = 0;

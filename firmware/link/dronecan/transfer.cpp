@@ -104,7 +104,7 @@ std::optional<TransferReceiver::Transfer> TransferReceiver::push(
   const auto tid = static_cast<std::uint8_t>(tail & kTransferIdMask);
   const auto payload = frame.first(frame.size() - 1);
   if ((tail & (kStart | kEnd | kToggle)) == (kStart | kEnd)) {
-    // Single-frame transfer: needs no session, and a repetition does no harm.
+    // A single-frame transfer needs no session, and its repetition does no harm.
     ++counters.can_received;
     return Transfer{route, tid, payload};
   }

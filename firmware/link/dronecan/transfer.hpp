@@ -24,7 +24,7 @@ constexpr std::uint16_t crc_of_signature(std::uint64_t signature) {
   return crc16(kCrc16Start, bytes);
 }
 
-/// A data type's id and CRC seed. The signature seeds the CRC of multi-frame transfers.
+/// A data type's id, and the seed of its multi-frame transfers' CRC, from its signature.
 struct DataType {
   TransferKind kind;
   std::uint16_t id;
@@ -52,7 +52,7 @@ std::optional<Route> route_of(std::uint32_t can_id);
                                          std::span<const std::uint8_t> payload,
                                          std::span<CanFrame> out);
 
-/// Reassembles transfers of any number of senders; when full, drops the longest silent one.
+/// Reassembles transfers of any number of senders; when full, drops the one silent for longest.
 class TransferReceiver {
  public:
   struct Transfer {

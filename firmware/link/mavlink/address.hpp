@@ -20,7 +20,7 @@ struct Address {
 template <std::size_t N>
 using Text = std::array<char, N>;
 
-/// Whether a text is `other`, which is shorter than N.
+/// Whether a text equals `other`, which must be shorter than N.
 template <std::size_t N>
 bool is_text(const Text<N>& text, std::string_view other) {
   return std::string_view(text.data(), other.size()) == other && text[other.size()] == '\0';

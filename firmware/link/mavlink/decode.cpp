@@ -14,14 +14,15 @@ namespace {
 
 constexpr std::uint8_t kEverybody = 0;
 
-/// Whether the header can begin a frame. Waiting for the end of noise would delay later frames.
+/// Whether the header can begin a frame. If noise passed for a header, the decoder would wait for
+/// the rest of its frame and delay the frames behind it.
 bool plausible(std::uint8_t start, const FrameHeader& h, const MavlinkEntry* entry) {
   return start == kStart1 ? entry != nullptr && h.payload_bytes == entry->min_bytes
                           : h.payload_bytes > 0 && h.is_known();
 }
 
-/// Whether a message outside our dialect, whose checksum seed is unknown, counts as whole: another
-/// frame or nothing follows. Then its contents are not searched for messages.
+/// Whether a message outside our dialect, whose checksum seed is unknown, counts as whole: it does
+/// if another frame or nothing follows. Its contents are then not searched for messages.
 bool ends_well(std::span<const std::uint8_t> b, std::size_t frame_bytes) {
   return b.size() == frame_bytes || is_start(b[frame_bytes]);
 }

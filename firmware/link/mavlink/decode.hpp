@@ -17,7 +17,7 @@ namespace flotilla::link {
 /// One link's receiver. Takes bytes in any chunks and resynchronizes after any damage: a false
 /// frame costs only its first byte, so no good frame is lost with it (the generated parser discards
 /// the bytes after a stray start byte). Exception: a false frame that looks like a whole message
-/// outside our dialect, because its checksum cannot be verified.
+/// outside our dialect is skipped whole, because its checksum cannot be verified.
 ///
 ///   while (!bytes.empty()) {
 ///     bytes = bytes.subspan(decoder.fill(bytes));

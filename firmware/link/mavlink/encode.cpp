@@ -12,7 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Writes a message's full payload, without truncating its zeros; returns the data its frame needs.
+/// Writes a message's full payload, including trailing zeros; returns the data its frame needs.
 struct PayloadWriter {
   std::uint8_t* out;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The data that checking and routing a frame needs, for all messages of the dialect, also those
-// that this firmware does not read.
+// The data needed to check and route a frame, for all messages of the dialect, including those that
+// this firmware does not read.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,8 @@ inline constexpr auto kMavlinkEntries = std::to_array<MavlinkEntry>({
 #include "dialect/table.inc"
 });
 
-/// Index in the table of each low id, which nearly all messages have; the table's size if absent.
+/// Index in the table for each id below 512, as nearly all messages have; the table's size if the
+/// id is absent.
 inline constexpr std::array<std::uint8_t, 512> kMavlinkPlaces = [] {
   static_assert(kMavlinkEntries.size() < 256);
   std::array<std::uint8_t, 512> places{};

@@ -159,7 +159,7 @@ std::uint8_t FtpServer::carry_out(Answer& answer, const FtpRequest& request, con
   switch (answer.asked) {
     case kNone:
       return kNoError;
-    case kTerminateSession:  // also succeeds for a closed session: the first answer was lost
+    case kTerminateSession:  // also succeeds if closed already: the first answer may be lost
       if (Session* session = session_of(peer, answer.session)) *session = Session{};
       return kNoError;
     case kResetSessions:

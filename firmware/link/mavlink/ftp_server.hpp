@@ -33,9 +33,10 @@ struct FtpRequest {
   std::uint32_t offset = 0;
 };
 
-/// Each request causes at most one packet, except a burst. A repeated request (its answer was lost)
-/// gets the same answer, since no answer depends on earlier ones. Link and address identify a
-/// client. With too many clients or sessions, the least recently used is dropped and must restart.
+/// Each request causes at most one packet, except a burst. A request repeated because its answer
+/// was lost gets the same answer, since no answer depends on earlier ones. Link and address
+/// identify a client. With too many clients or sessions, the least recently used is dropped and
+/// must restart.
 class FtpServer {
  public:
   /// At most 255 files, which must outlive the server.

@@ -20,7 +20,7 @@ struct Received {
   bool is_signed = false;  ///< with a good signature; forged messages never get here
 };
 
-/// A vessel's state; such messages are a hundred times as frequent as the others.
+/// Whether a message is a vessel's state; these are a hundred times as frequent as all others.
 inline bool tells_motion(const Message& message) {
   return std::holds_alternative<Attitude>(message) ||
          std::holds_alternative<LocalPositionNed>(message) ||

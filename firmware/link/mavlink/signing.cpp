@@ -16,9 +16,9 @@ constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01, since 
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
 constexpr std::uint64_t kSecond = 100'000, kMinute = 60 * kSecond, kDay = 1440 * kMinute;
 // pymavlink starts its timestamps at its clock, adds one for each message, and follows newer ones
-// that it receives. A pymavlink sender that receives nothing falls behind its clock. This many of
-// its messages may be lost in a row. A recording of a sender that stamps by its clock has greater
-// steps, so its replay does not pass.
+// that it receives, so a sender that receives nothing falls behind its clock. Such late timestamps
+// pass if at most this many of its messages are lost in a row. A replayed recording of a sender
+// that stamps by its clock has greater steps, and does not pass.
 constexpr std::uint64_t kDragged = 500;
 constexpr std::size_t kTimestampBytes = 6, kDigestBytes = 6;
 
@@ -74,8 +74,8 @@ void Signing::set_clock(std::uint64_t now, bool known) {
 
 std::uint32_t Signing::clock_s() const { return static_cast<std::uint32_t>(clock_ / kSecond); }
 
-/// Whether a restart may have made a sender's first message valid again. A timestamp stored a day
-/// ahead of a known clock came from a wrong clock and does not count.
+/// Whether a sender's first message after our restart may be a replay from before it. A stored time
+/// a day or more ahead of a known clock came from a wrong clock and does not count.
 bool Signing::may_be_old(std::uint64_t timestamp) const {
   return timestamp <= stored_ && (!known_ || stored_ < clock_ + kDay);
 }

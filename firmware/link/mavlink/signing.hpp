@@ -2,11 +2,11 @@
 // MAVLink 2 message signing, one for all links of a component.
 //
 // signature = first 48 bits of SHA-256(key ‖ frame ‖ link id ‖ timestamp). A timestamp counts 10 µs
-// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Unlike there, our own clock
-// alone judges timestamps once it is known, with a tolerance of a minute either way. In the source,
-// a received timestamp advances the receiver's own, so a timestamp from the future shuts out every
-// sender with a correct clock. Also, messages of a known stream may be of any age, so messages
-// recorded from a jammed radio are obeyed hours later.
+// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Unlike there, once our clock
+// is known, it alone judges timestamps, with a tolerance of a minute either way. In the source, a
+// received timestamp advances the receiver's own, so one from the future shuts out every sender
+// with a correct clock; and a message of a known stream may have any age, so messages recorded
+// from a jammed radio are obeyed hours later.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ enum class SignatureVerdict : std::uint8_t {
   kGood,
   kForged,    ///< another key, or altered data
   kReplayed,  ///< not newer than this stream's latest timestamp
-  kStale,     ///< more than a minute old, and not a lagging counter; or a first message not newer
-              ///< than the stored time
+  kStale,     ///< over a minute old, and not of a sender that counts its messages (see drags());
+              ///< or a stream's first message, not newer than the stored time
   kFuture,    ///< more than a minute ahead of our clock
   kNoRoom,    ///< a new stream, but no room for it
 };

@@ -22,8 +22,8 @@ struct CanBusCounters {
   std::uint64_t transfers_dropped = 0;  ///< transfers not sent completely
   std::uint64_t receive_overflows = 0;  ///< frames that the kernel dropped before we read them
   std::uint64_t error_frames = 0;
-  std::uint64_t bus_off = 0;      ///< times
-  std::uint64_t reopened = 0;     ///< times, including a device that appeared after the start
+  std::uint64_t bus_off = 0;      ///< bus-offs
+  std::uint64_t reopened = 0;     ///< reopenings, also of a device that appeared after the start
   std::uint64_t bad_packets = 0;  ///< datagrams other than a classic CAN frame with a 29-bit id
 };
 
@@ -32,8 +32,8 @@ class CanBus {
  public:
   virtual ~CanBus() = default;
 
-  /// Sends transfers, frame after frame. If one frame finds no room, the unsent rest of its
-  /// transfer is dropped; so is every transfer while the bus is not usable.
+  /// Sends transfers, frame after frame. If there is no room for a frame, drops it and the rest of
+  /// its transfer; while the bus is not usable, drops all transfers.
   virtual void send(std::span<const link::CanFrame> frames) = 0;
 
   /// The next received frame; false if there is none.
@@ -68,10 +68,10 @@ class CanBus {
 /// The frames up to and including the first that ends a transfer (bit 6 of its tail byte).
 std::span<const link::CanFrame> first_transfer(std::span<const link::CanFrame> frames);
 
-/// `socketcan:can0` or `mcast:N[:ADDRESS]`. `node`: our DroneCAN node id, for the kernel's filter.
-/// Throws std::runtime_error if the address is malformed. A device that is down or absent is no
-/// error: reopen() opens it once it appears. ADDRESS is an IPv4 address of this machine; with it
-/// frames may leave the machine.
+/// `address`: socketcan:can0 or mcast:N[:ADDRESS]. ADDRESS is an IPv4 address of this machine; only
+/// with it may multicast frames leave the machine. `node`: our DroneCAN node id, for the kernel's
+/// filter. Throws std::runtime_error if the address is malformed. A device that is down or absent
+/// is no error: reopen() opens it once it appears.
 std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node);
 
 /// Throws std::runtime_error if the address is malformed; opens nothing.

@@ -102,7 +102,7 @@ std::string McastBus::fault() const {
 }
 
 int McastBus::open(Sockets& fresh) const {
-  // Bound to the group, not to INADDR_ANY, which would also receive the other buses on this port.
+  // `in` is bound to the group: INADDR_ANY would also receive the other buses on this port.
   FileDescriptor in = udp_socket();
   FileDescriptor out = udp_socket();
   const ip_mreqn membership{group_.sin_addr, interface_, 0};
@@ -112,7 +112,7 @@ int McastBus::open(Sockets& fresh) const {
   sockaddr_in own{};
   socklen_t size = sizeof own;
   const bool done = in && out &&
-                    // Bind `out` first: that checks that the interface's address is ours.
+                    // Bind `out` first, which checks that the interface's address is ours.
                     ::bind(out.get(), generic(from), sizeof from) == 0 &&
                     set_option(out, IPPROTO_IP, IP_MULTICAST_IF, membership) &&
                     set_option(out, IPPROTO_IP, IP_MULTICAST_TTL, time_to_live_) &&

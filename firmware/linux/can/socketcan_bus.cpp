@@ -128,7 +128,8 @@ void SocketCanBus::close() {
   running_ = false;
 }
 
-/// As the kernel reports it (a bus-off controller has no carrier), or `before` if that fails.
+/// Whether the kernel reports the interface as running (a bus-off controller has no carrier);
+/// `before` if the kernel cannot be asked.
 bool SocketCanBus::running(bool before) {
   ifreq request = request_about(interface_);
   if (::ioctl(socket_->get(), SIOCGIFFLAGS, &request) != 0) {
@@ -145,7 +146,7 @@ void SocketCanBus::maintain() {
     return;
   }
   const bool ran = std::exchange(running_, running(running_));
-  if (running_ && !ran) {  // its controller has restarted
+  if (running_ && !ran) {  // the controller has restarted
     controller_ = Controller::kOn;
     flushing_ = true;
   } else if (controller_ == Controller::kOff) {

@@ -13,8 +13,8 @@ struct can_frame;
 
 namespace flotilla::target {
 
-/// Other programs on this machine receive the frames it sends (candump works); the object itself
-/// does not.
+/// Other programs on this machine receive the frames that this object sends (candump works); the
+/// object itself does not.
 ///
 /// After a bus-off nothing is sent until the kernel has sent or dropped all our frames, so no new
 /// command queues behind old ones. The socket stays open, because the kernel would keep a closed
@@ -32,9 +32,9 @@ class SocketCanBus final : public CanBus {
   std::string fault() const override;
 
  private:
-  /// A recovery counts from the next maintain() on. Frames that the controller received before its
-  /// bus-off may arrive after the bus-off's report, so a frame proves recovery only after the next
-  /// maintain().
+  /// The bus becomes usable with the first maintain() after a recovery. Frames that the controller
+  /// received before its bus-off may arrive after the report of the bus-off, so a frame proves a
+  /// recovery only after the next maintain().
   enum class Controller { kOn, kOff, kStillOff, kRecovered };
 
   int open(FileDescriptor& fresh) const;  ///< 0 or errno

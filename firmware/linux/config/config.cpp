@@ -18,7 +18,7 @@ constexpr const char* kDescription =
 Every option is also a key of the configuration file (TOML, without the dashes); the command line
 wins. A list of links on the command line replaces the file's, a parameter replaces its namesake.)";
 
-// A flaw in the decoder of the radio or the bus must not give an attacker the whole machine.
+// A flaw in a decoder of messages or frames must not give an attacker the whole machine.
 constexpr const char* kNotAsRoot =
     "does not run as root: use its systemd unit, firmware/linux/flotillad.service, or start "
     "it as another user (setpriv --reuid=USER --regid=GROUP --init-groups flotillad ...)";
@@ -154,7 +154,7 @@ std::variant<Config, Ending> read_config(std::span<const char* const> arguments,
   Options options;
   define(app, options);
   try {
-    // "--log=" means an empty value; CLI11 would read the next option as the value.
+    // "--log=" gives an empty value; CLI11 would instead read the next option as the value.
     std::vector<const char*> words;
     std::vector<std::string> names;
     names.reserve(arguments.size());

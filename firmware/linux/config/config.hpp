@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// flotillad's configuration: boat.toml, and the same keys as options. The command line wins.
+// flotillad's configuration: boat.toml, and the same keys as options, which override the file.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct MavlinkLinkConfig {
   bool operator==(const MavlinkLinkConfig&) const = default;
 };
 
-/// A line of a GPIO chip; an empty chip: none.
+/// A line of a GPIO chip; an empty chip: no switch.
 struct StopLine {
   std::string chip;
   unsigned line = 0;
@@ -63,16 +63,16 @@ struct Config {
   }
 };
 
-/// Ends the program instead of running it: text for stdout if the status is 0 (--help, --version),
-/// else for stderr, and the exit status (2: a mistake in the configuration).
+/// The program ends with this exit status (2: a mistake in the configuration) and text, for stdout
+/// if the status is 0 (--help, --version), else for stderr.
 struct Ending {
   int status = 0;
   std::string text;
 };
 
-/// Reads the options and the file that --config names. A mistake gives one line with the file, line
-/// and key, or the option, and the allowed values. `arguments` begins with the program's name.
-/// Running as root (`by_root`) is an error, reported before any file is opened.
+/// Reads the options and the file that --config names. The text for a mistake is one line: the
+/// file, line and key, or the option; and the allowed values. `arguments` begins with the program's
+/// name. Running as root (`by_root`) is an error, reported before any file is opened.
 std::variant<Config, Ending> read_config(std::span<const char* const> arguments, bool by_root);
 
 void apply(const ParameterOverrides& overrides, app::Parameters& parameters);

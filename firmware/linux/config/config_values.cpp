@@ -60,7 +60,7 @@ void read_link_option(std::string_view option, MavlinkLinkConfig& link) {
                    ",signing=off, accept or required)");
 }
 
-/// Reports a malformed address as any other invalid value, with its place in the file.
+/// Reports a malformed address like any other invalid value, with its place in the file.
 void require_address(void (*require)(std::string_view), std::string_view address) {
   try {
     require(address);

@@ -13,8 +13,8 @@
 
 namespace flotilla::target {
 
-/// A value that is not allowed, with the allowed ones; the catcher adds the file and key, or the
-/// option.
+/// Names a value that is not allowed, and the allowed ones. Whoever catches this adds the file and
+/// key, or the option.
 struct ValueError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -37,7 +37,7 @@ std::optional<T> number(std::string_view text) {
 std::string can_address(std::string_view text);
 MavlinkLinkConfig mavlink_link(std::string_view text);  ///< ADDRESS[,rate=BYTES][,signing=POLICY]
 void require_link_count(std::size_t count);
-/// `text`: the value as written; no value: not a number.
+/// `text`: the value as written; value: nothing if it is not a number.
 float parameter_value(std::string_view name, std::optional<double> value, std::string_view text);
 StopLine stop_line(std::string_view text);  ///< CHIP:LINE, "": none
 int priority_value(std::optional<std::int64_t> value);

@@ -18,10 +18,10 @@ struct FileContent {
 
 constexpr std::size_t kChecksumLineSize = std::string_view("crc32 = 89ABCDEF\n").size();
 
-/// The last line of a file with the lines `body`; detects damage.
+/// The last line of a file whose other lines are `body`; reveals damage.
 std::string checksum_line(std::string_view body);
 
-/// A whole regular file of at most `most_bytes`; EFBIG beyond.
+/// Reads a whole regular file of at most `most_bytes`; error EFBIG if it is larger.
 FileContent read_file(const std::filesystem::path& path, std::size_t most_bytes = 1U << 20U);
 
 /// `path` with a suffix to its name, in the same directory.

@@ -26,9 +26,9 @@ class ListSaver {
  public:
   using Text = std::function<std::string(std::span<const Item>)>;
 
-  /// text: the file's content. every: the interval at which it is written if the items have
-  /// changed or the last writing failed. Throws std::system_error that names `whose` if the thread
-  /// cannot be started.
+  /// text: gives the file's content. every: the interval at which the file is written if the items
+  /// have changed or the last write failed. Throws std::system_error that names `whose` if the
+  /// thread cannot be started.
   ListSaver(std::filesystem::path path, std::size_t most_items, Text text,
             std::chrono::milliseconds every, const char* whose)
       : path_(std::move(path)), text_(std::move(text)), writer_(every, [this] { write(); }, whose) {
@@ -36,7 +36,7 @@ class ListSaver {
     items_.reserve(most_items);
   }
 
-  /// The items to save from now on. Never blocks; false: try again.
+  /// Sets the items to save. Never blocks; false: try again.
   bool put(std::span<const Item> items) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return false;
@@ -48,7 +48,7 @@ class ListSaver {
   /// The first error with the file, once. Writing is retried.
   std::optional<std::string> error() { return error_.take(); }
 
-  /// The last writing failed.
+  /// The last write failed.
   bool failed() const { return failed_; }
 
  private:

@@ -60,7 +60,7 @@ Checked check(std::string_view content) {
   return {lines, {}};
 }
 
-/// Reads one "NAME = VALUE"; notes a line that it cannot use.
+/// Reads a line "NAME = VALUE"; notes a line that cannot be used.
 void read_line(std::string_view line, const std::string& where, LoadedParameters& loaded,
                std::array<bool, app::kParameterList.size()>& seen) {
   const std::size_t equals = line.find(" = ");
@@ -102,8 +102,8 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
   if (!names.empty()) loaded.notes.push_back(where + ": not in the file, so default: " + names);
 }
 
-/// Files older than NAV_COMPID hold 0 as the default of these parameters; 0 has another meaning
-/// since then.
+/// In files older than NAV_COMPID, 0 was the default of these parameters; since then, 0 has another
+/// meaning.
 void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
                     const std::string& where, LoadedParameters& loaded) {
   const auto has = [&](std::string_view name) {
@@ -183,7 +183,7 @@ LoadedParameters load_parameters(const std::filesystem::path& path) {
   if (file == Found::kAbsent) loaded.notes.push_back(path.filename().string() + " is missing");
   if (previous == Found::kGood) {
     loaded.source = ParameterSource::kPrevious;
-    loaded.must_be_confirmed = true;  // they lack the operator's last change
+    loaded.must_be_confirmed = true;  // the values lack the operator's last change
     loaded.notes.push_back("parameters loaded from " + previous_path.filename().string());
     return loaded;
   }

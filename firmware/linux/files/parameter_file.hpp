@@ -7,8 +7,8 @@
 //   …
 //   crc32 = 89ABCDEF
 //
-// The checksum (IEEE 802.3) covers every byte before its own line, and its line is compared byte
-// for byte: truncation and any single flipped bit are detected. `path` and `path.previous` are each
+// The checksum (IEEE 802.3) covers every byte before its line, and its line is compared byte for
+// byte: truncation and any single flipped bit are detected. `path.previous` and `path` are each
 // replaced by a rename, one after the other, and only a readable file becomes the previous one: at
 // every moment at least one of the two is intact.
 #pragma once
@@ -35,8 +35,8 @@ enum class ParameterSource : std::uint8_t {
 struct LoadedParameters {
   app::Parameters values;  ///< each valid, without contradictions
   ParameterSource source = ParameterSource::kFirstStart;
-  /// Unconfirmed defaults, or older values: arming is blocked until an operator saves. Never
-  /// autosave before, or the next start would not ask again.
+  /// The values are defaults or older ones, and unconfirmed: arming is blocked until an operator
+  /// saves. Never save without being asked before that, or the next start would not ask again.
   bool must_be_confirmed = false;
   std::vector<std::string> unknown;  ///< unknown lines, kept for the next save
   std::vector<std::string> notes;    ///< sentences for the operator

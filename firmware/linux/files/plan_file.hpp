@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat's plan, fence or rally points on disk, bit for bit as received, with a
-// checksum. The first line names the kind, as the file's name does.
+// The boat's plan, fence or rally points on disk, bit for bit as received, with a checksum. The
+// first line names the kind, as the file's name does.
 //
 //   flotilla-plan 1
 //   16 6 1 473977420 85455940 00000000 3FC00000 00000000 7FC00000 00000000

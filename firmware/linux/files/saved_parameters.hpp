@@ -32,7 +32,8 @@ class SavedParameters {
   /// Sets the boat's parameters at the start: values(), with the configuration's overrides.
   void begin(const app::Parameters& in_force) { noted_ = in_force; }
 
-  /// Saves the operator's changes since the last call. Returns a sentence about an outcome, if any.
+  /// Saves the operator's changes since the last call. Returns a sentence about the outcome of a
+  /// save, if there is one.
   std::optional<std::string> maintain(app::SaveRequest request, const app::Parameters& in_force,
                                       std::int64_t now_us);
 
@@ -51,7 +52,7 @@ class SavedParameters {
   app::Parameters noted_;  // the boat's, at the last note_changes()
   app::SaveRequest to_save_ = app::SaveRequest::kNone;
   std::int64_t saved_us_ = 0;  // start of the last save
-  bool save_failed_ = false;   // the last save failed, which was reported
+  bool save_failed_ = false;   // the last save failed, and that was reported
   ParameterSaver saver_;
 };
 

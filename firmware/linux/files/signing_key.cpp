@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kKeyBytes = std::tuple_size_v<link::SigningKey>;
 
-/// Why a file with these attributes keeps no secret.
+/// Why a file with these attributes cannot keep a secret; nothing if it can.
 std::optional<std::string> indiscretion(const struct stat& about) {
   if (!S_ISREG(about.st_mode)) return "is not a regular file";
   if (about.st_uid != ::geteuid() && about.st_uid != 0) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Saves the timestamp of MAVLink 2 signing across restarts: it must not go back even if the clock
-// does, or old messages would pass for new. Messages stamped after the last saved time can be
-// replayed after a crash. It is saved every 5 s: more often would wear an SD card, because each save
-// syncs file and folder.
+// Saves the timestamp of MAVLink 2 signing across restarts: the timestamp must not go back even if
+// the clock does, or old messages would pass for new. After a crash, messages stamped since the
+// last save can be replayed. The timestamp is saved every 5 s: more often would wear an SD card,
+// because each save syncs file and directory.
 //
 //   flotilla-signing-time 1 37500000000000
 //   crc32 = 89ABCDEF
@@ -38,7 +38,7 @@ class SigningTime {
 
   void put(std::uint64_t timestamp) { timestamp_.store(timestamp, std::memory_order_relaxed); }
 
-  /// Whether the system's clock can be trusted, as of the last writing.
+  /// Whether the system's clock can be trusted, as of the last write.
   bool clock_is_set() const { return clock_is_set_.load(std::memory_order_relaxed); }
 
   /// The first error with the file, once. Writing is retried.

@@ -45,7 +45,7 @@ void LogFile::fail(const std::filesystem::path& where, int error) {
   broken_ = true;
   lost_ += std::exchange(buffered_, 0);
   buffer_.clear();
-  if (file_ && size_ == 0) ::unlink(path_.c_str());  // a full disk must not collect empty files
+  if (file_ && size_ == 0) ::unlink(path_.c_str());  // or a full disk would collect empty files
   file_ = FileDescriptor();
   if (!fault_) fault_ = "log " + where.string() + ": " + std::strerror(error);
 }

@@ -20,7 +20,7 @@ struct LogSeries {
   std::string prefix;
   std::string extension;      ///< with its dot
   std::uint64_t file_bytes;   ///< a file that would grow beyond this is closed
-  std::uint64_t total_bytes;  ///< the oldest are removed so that the total stays below this
+  std::uint64_t total_bytes;  ///< the oldest files are removed so that the total stays below this
 };
 
 class LogFile {

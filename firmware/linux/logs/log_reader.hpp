@@ -14,7 +14,7 @@
 
 namespace flotilla::target {
 
-/// Call all but the constructor from one thread. One request at a time.
+/// Call all but the constructor from one thread. Serves one request at a time.
 class LogReader {
  public:
   struct Log {

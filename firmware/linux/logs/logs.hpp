@@ -10,8 +10,8 @@
 // common log readers would take the jumps between those numbers for lost packets.
 //
 // The control loop puts records into a ring and never waits; if the ring is full they are dropped
-// and counted. Every 100 ms the writer empties it into the files. kill -9 loses the records after
-// that, a power cut those after the last sync (every 5 s).
+// and counted. Every 100 ms the writer empties the ring into the files. kill -9 loses the records
+// since then, a power cut those since the last sync (every 5 s).
 #pragma once
 
 #include <pthread.h>
@@ -53,8 +53,8 @@ struct LogCounters {
 enum class Direction : std::uint8_t { kReceived, kSent };
 
 /// Call mavlink(), can(), counters() and error() from one thread; they never block, throw or
-/// allocate. The destructor writes the remaining records and waits for the disk: send the zeros
-/// first. Without a directory it writes and counts nothing.
+/// allocate. The destructor writes the remaining records and waits for the disk: send the zero
+/// commands first. Without a directory it writes and counts nothing.
 class Logs {
  public:
   /// Throws std::system_error if the thread cannot be started. A directory that cannot be written

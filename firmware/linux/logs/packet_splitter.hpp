@@ -12,8 +12,8 @@
 
 namespace flotilla::target {
 
-/// Whether a SETUP_SIGNING begins anywhere in these bytes: noise that resembles the start of a
-/// packet may have swallowed it.
+/// Whether a SETUP_SIGNING begins anywhere in these bytes, also inside a packet: noise may look
+/// like the start of a packet that contains it.
 inline bool holds_key(std::span<const std::uint8_t> bytes) {
   for (; !bytes.empty(); bytes = bytes.subspan(1)) {
     const auto header = link::read_header(bytes);

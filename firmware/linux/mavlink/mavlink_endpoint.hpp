@@ -25,7 +25,7 @@ class MavlinkEndpoint {
   /// Tells the link that the boat accepted a message in the bytes received last, signed or not.
   virtual void accepted(bool /*is_signed*/, std::int64_t /*now_us*/) {}
 
-  /// Each receive() returns one datagram, with whole messages only.
+  /// Whether each receive() returns one datagram, with whole messages only.
   virtual bool datagrams() const = 0;
 
   /// For poll(); −1 while the device is gone.
@@ -48,7 +48,7 @@ class MavlinkEndpoint {
 
 /// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; sends to accepted peers, see Peers
 /// udpout:HOST:PORT    exchanges messages with one peer only
-/// udpbcast:HOST:PORT  sends to a broadcast address, receives from all who answer
+/// udpbcast:HOST:PORT  sends to a broadcast address, receives from all that answer
 /// serial:DEVICE:BAUD  a serial port, 8N1, raw; an absent one is opened when it appears
 ///
 /// HOST is a numeric IPv4 address. Each is bound to one address of this machine; udpout and

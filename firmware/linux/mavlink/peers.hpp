@@ -4,7 +4,7 @@
 // Nothing is sent to a sender before the boat has accepted one of its messages. A silent peer is
 // forgotten. If the table is full, a new peer replaces the longest silent one that has not signed:
 // at once if the new peer has signed, else after three missed heartbeats. A peer that has signed is
-// replaced only by another that has, after the same silence.
+// replaced only by a new one that has signed, after three missed heartbeats.
 #pragma once
 
 #include <netinet/in.h>

@@ -14,8 +14,8 @@
 
 namespace flotilla::target {
 
-/// Bytes that the port cannot take at once wait; until they are sent, the output of each tick is
-/// dropped whole, so that no message is cut.
+/// Bytes that the port cannot take at once wait. Until they are sent, the output of each later tick
+/// is dropped whole, so that no message is cut.
 class SerialEndpoint final : public MavlinkEndpoint {
  public:
   explicit SerialEndpoint(const EndpointAddress& address);

@@ -86,7 +86,7 @@ void UdpEndpoint::send_to(const sockaddr_in& peer, std::span<const std::uint8_t>
   // ECONNREFUSED: nobody listens there yet; MAVLink messages repeat.
   if (sent >= 0 || errno == ECONNREFUSED) return;
   ++dropped_;
-  // Passing failures: a new socket would not help, and would change our source address.
+  // Temporary failures: a new socket would not help, and would change our source address.
   constexpr std::array kPassing{EAGAIN, ENOBUFS, EHOSTUNREACH, EPERM};
   if (!learns_ && std::ranges::find(kPassing, errno) == kPassing.end()) socket_.give_up();
 }

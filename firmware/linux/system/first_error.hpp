@@ -12,14 +12,14 @@ namespace flotilla::target {
 
 class FirstError {
  public:
-  /// For the background thread; keeps only the first.
+  /// For the background thread; keeps only the first sentence.
   void put(std::string_view sentence) {
     if (there_.load(std::memory_order_relaxed)) return;
     sentence_ = sentence;
     there_.store(true, std::memory_order_release);
   }
 
-  /// For the loop: once, never blocks or allocates.
+  /// For the loop: returns the sentence once; never blocks or allocates.
   std::optional<std::string> take() {
     if (taken_ || !there_.load(std::memory_order_acquire)) return std::nullopt;
     taken_ = true;

@@ -15,7 +15,8 @@ struct ClockEvidence {
   std::filesystem::path rtc = "/sys/class/rtc/rtc0/since_epoch";
 };
 
-/// True if the network has set it, or the real-time clock agrees within a minute. May block.
+/// True if the network has set the system's clock, or the real-time clock agrees with it within a
+/// minute. May block.
 bool clock_is_set(const ClockEvidence& evidence, std::int64_t unix_s);
 
 }  // namespace flotilla::target

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A stop switch on a GPIO line, through the kernel's interface: libgpiod's differs between
-// releases.
+// A stop switch on a GPIO line, through the kernel's interface, because libgpiod's differs between
+// its releases.
 #pragma once
 
 #include <string>

@@ -55,7 +55,7 @@ class LogService {
   std::string_view read(std::size_t link, const link::LogRequestData& asked);
   void end(std::size_t link);
 
-  /// The next message for that link; nothing while there is none, or the host has not brought it
+  /// The next message for that link; nothing if none is due, or the host has not brought its data
   /// yet.
   std::optional<link::Message> next(std::size_t link);
   bool is_idle() const { return !listing_ && ranges_ == 0; }
@@ -63,7 +63,7 @@ class LogService {
   std::optional<LogRequest> request() const;
   /// Takes the list that was asked for; keeps the newest logs if there is no room for all.
   void bring_list(std::span<const StoredLog> logs);
-  /// The index in that list of the first log that is offered.
+  /// Index in that list of the first log kept; the older ones are left out.
   std::size_t left_out() const { return left_out_; }
   /// Takes the bytes that were asked for, as many as there is room for; no bytes: the log ends
   /// there.

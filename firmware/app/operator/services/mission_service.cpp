@@ -43,7 +43,7 @@ std::optional<Stored> kind_of(std::uint8_t mission_type) {
 
 std::uint8_t type_of(Stored kind) { return static_cast<std::uint8_t>(kind); }
 
-/// Defaults for a plan without its leading homes; the targets of jumps count those, too.
+/// Defaults for a plan without its leading homes, which the targets of jumps still count.
 PlanDefaults with_homes(PlanDefaults defaults, std::size_t homes) {
   defaults.homes = homes;
   return defaults;
@@ -96,7 +96,7 @@ std::optional<link::Message> MissionService::answer(const RequestMessage& asked,
     return take(*given, asker, defaults, now_us);
   }
   if (const auto* old = std::get_if<link::MissionItem>(&asked)) {
-    // Its floats give a place only to a metre. The boat asks for items by MISSION_REQUEST_INT.
+    // MISSION_ITEM's floats give a place only to a metre; the boat asks by MISSION_REQUEST_INT.
     return acknowledgement(to, mav::kMissionUnsupported, old->mission_type);
   }
   if (const auto* asked_clear = std::get_if<link::MissionClearAll>(&asked)) {
@@ -121,7 +121,8 @@ Plan MissionService::sailed_of(Stored kind, Plan items) const {
   return kind == Stored::kPlan ? items.subspan(homes_of(items)) : items;
 }
 
-/// Clears all kinds that are asked for, or none: not during another station's upload.
+/// Clears all kinds that are asked for, or none if one of them may not change now or another
+/// station uploads.
 link::Message MissionService::clear(const link::MissionClearAll& asked, const Asker& asker) {
   const auto is_asked = [&](Stored kind) {
     return asked.mission_type == type_of(kind) || asked.mission_type == mav::kMissionTypeAll;
@@ -324,7 +325,8 @@ bool MissionService::enable_fence(bool on) {
   return true;
 }
 
-/// The fence or the margin has changed: the plan is judged again, and a plan in upload once it is whole.
+/// Call when the fence or the margin has changed: judges the plan again, and a plan in upload once
+/// it is whole.
 void MissionService::judge_anew() {
   check_.begin();
   way_why_ = {};

@@ -94,29 +94,29 @@ class MissionService {
   void sailed(std::size_t item, bool complete);
 
   const Fence& fence() const { return fence_; }
-  /// The fence's map follows the boat's origin.
+  /// Draws the fence's map from the boat's origin.
   void locate(const link::GpsGlobalOrigin& origin) { fence_.locate(origin); }
   /// Switches the fence on or off; false if none is stored.
   bool enable_fence(bool on);
   /// Once a tick: judges the plan by the fence, a few legs at a time.
   void check_plan(const PlanDefaults& defaults);
-  /// How far the place where AUTO begins may be from the boat, m: farther, if the boat goes on with
-  /// its plan or jumps in it.
+  /// How far, m, the boat may be from the place where AUTO begins: farther if it continues its plan
+  /// or jumps in it.
   float start_m(std::size_t item) const {
     return item > homes_of(plan()) ? kErrandReach_m : kPlanStart_m;
   }
-  /// Why the boat cannot go straight to an item, or the first place after it: that is too far away,
-  /// or the way leaves the fence.
+  /// Why the boat cannot go straight to an item's place, or the first place after it: the place is
+  /// too far away, or the way leaves the fence. Empty if it can.
   std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
                                   const PlanDefaults& defaults) const;
-  /// Before AUTO: judges the way from the boat to where the plan begins. The judgement is soon out
-  /// of date if the boat moves: then call forget_way().
+  /// Before AUTO: judges the way from the boat to where the plan begins. Call forget_way() when
+  /// that judgement is out of date, because the boat has moved.
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
   void forget_way() { way_why_ = {}; }
-  /// The plan, and the way to it, can be sailed. While the plan is sailed, an unfinished judgement
-  /// does not stop it.
+  /// Whether the plan and the way to it can be sailed. In AUTO, a plan is sound until a fault is
+  /// found.
   bool plan_is_sound(bool in_auto) const;
-  /// Why not, for the operator; empty: it does, or there is no plan.
+  /// Why the plan or the way to it cannot be sailed; empty if no fault is known.
   std::string_view plan_trouble() const { return check_.why().empty() ? way_why_ : check_.why(); }
 
   /// The place to which a boat at `here` returns: the nearest permitted rally point, if possible

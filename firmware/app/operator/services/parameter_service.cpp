@@ -185,7 +185,7 @@ void ParameterService::refuse(std::size_t link, link::Address to, const Paramete
                               std::uint8_t error) {
   announce(info);
   const std::size_t index = index_of(info);
-  // A MAVSDK client that gets the value first retries instead of failing: send the error first.
+  // Send the error first: a MAVSDK client that gets the value first repeats its request.
   if (links_[link].errors.push(
           {static_cast<std::int16_t>(index), to, wire_name(info.name), error})) {
     links_[link].values.reset(index);

@@ -35,7 +35,7 @@ struct SetResult {
 struct Standing {
   Standing(bool is_armed, std::uint8_t own_system = 0) : armed(is_armed), system(own_system) {}
   bool armed;
-  std::uint8_t system;  ///< in force; 0: not known here
+  std::uint8_t system;  ///< system id in force; 0: not known here
 };
 
 class ParameterService {
@@ -57,7 +57,7 @@ class ParameterService {
     std::bitset<kCount> values{};
     std::size_t next_value = 0;            // where the search for the next one begins
     std::size_t list_at = kCount;          // kCount: no list is requested
-    std::optional<std::size_t> refused{};  // its error was just sent, its value is next
+    std::optional<std::size_t> refused{};  // parameter whose error was just sent; value is next
     int turn = 0;
 
     std::optional<std::size_t> take_single();

@@ -23,14 +23,14 @@ Sentence slot_needs(double needed, std::string_view limit_is, float limit);
 Sentence sentence_of(core::StationLoss loss, double off_m, double yaw_rate,
                      const Parameters& derived);
 
-/// "Port 12 % weak since 10:31: THR_BALANCE 0.06", in UTC; or "for 7 min" if unix_us, the time of day
-/// at now_us, is 0 (unknown).
+/// "Port 12 % weak since 10:31: THR_BALANCE 0.06", in UTC; or "for 7 min" if unix_us, the time of
+/// day at now_us, is 0 (unknown).
 Sentence sentence_of(const ModelMonitor::Finding& finding, float balance, std::int64_t now_us,
                      std::int64_t unix_us);
 
 Sentence sentence_of(const VoyageNews& news);
 
-/// late: the boat that the fleet waits for; nothing: the fleet waits no longer.
+/// late: the boat that the fleet waits for; nothing: the fleet no longer waits.
 Sentence waiting_for(std::optional<std::uint8_t> late);
 
 Sentence unit_is_late(double latency_s);

@@ -14,7 +14,7 @@
 
 namespace flotilla::app {
 
-/// Texts that are not repeated at once, each kind on its own.
+/// Kinds of texts that are repeated only after an interval; each kind has its own.
 enum class Repeated : std::uint8_t {
   kArmRefused,
   kRefused,

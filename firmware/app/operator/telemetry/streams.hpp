@@ -24,18 +24,18 @@ enum class Pace : std::uint8_t {
   kOnRequest,  ///< off until a client requests it with its own interval: SET_MESSAGE_INTERVAL
 };
 
-/// Paces that share the bandwidth left by the state streams.
+/// Whether streams of this pace share the bandwidth that state and news leave.
 constexpr bool is_rest(Pace pace) { return pace != Pace::kState && pace != Pace::kNews; }
 
 struct StreamInfo {
   std::uint16_t id;
-  std::uint16_t bytes;  ///< on the wire, at most
+  std::uint16_t bytes;  ///< greatest size on the wire
   Pace pace;
   std::int64_t fixed_us;
-  bool companion;  ///< also sent by an autopilot's companion: the autopilot never sends it itself
+  bool companion;  ///< an autopilot's companion sends it too, as the autopilot itself never does
 };
 
-/// In sending order: what followers need comes first. Positions are named below: add at the end.
+/// In sending order: first what followers need. Constants below hold indices: add at the end.
 inline constexpr std::array kStreams{
     StreamInfo{link::GpsGlobalOrigin::kId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::Attitude::kId, 40, Pace::kState, 0, false},
@@ -127,8 +127,8 @@ class Streams {
   /// Sends that message at once, on every link that carries it.
   void make_due(std::uint16_t id);
 
-  /// The radio's free send buffer in percent: streams slow down while it fills, the state streams
-  /// only as far as followers tolerate. After 5 s of silence the radio no longer limits.
+  /// Takes the radio's free send buffer in percent: streams slow down while it fills, the state
+  /// streams only as far as followers tolerate. After 5 s of silence the radio no longer limits.
   void radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us);
   void forget_silent_radios(std::int64_t now_us);
 

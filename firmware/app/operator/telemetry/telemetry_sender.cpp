@@ -10,11 +10,11 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
-// Turns after those of the streams.
+// The turns of send_rest() after those of the streams.
 constexpr std::uint8_t kParameters = kStreams.size(), kFiles = kParameters + 1, kLogs = kFiles + 1,
                        kTurns = kLogs + 1;
-// On a link too slow for both, the reference gets every third turn: a leader's state is good for a
-// second, a reference for longer.
+// On a link too slow for both state and reference, the reference gets every third turn: a leader's
+// state is valid for a second, a reference for longer.
 constexpr std::uint8_t kStatesPerReference = 2;
 // Per tick and link, beside the tick's other traffic: files and logs transfer at about 70 kB/s.
 constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3, kLogPacketsPerTick = 8;
@@ -84,8 +84,8 @@ void TelemetrySender::send_state(link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) send_state(link, state, counters);
 }
 
-/// Checks the link's budget once for both, so that a slow link does not separate attitude and
-/// position. Leaves this turn to a reference that waits for the budget.
+/// Checks the link's budget once for attitude and position, so that a slow link does not separate
+/// them. Leaves this turn to a reference that waits for the budget.
 void TelemetrySender::send_state(std::size_t link, StateMessages& state, link::Counters& counters) {
   if (!links_.bucket(link).for_state()) return;
   StateTurns& turns = turns_[link].states;

@@ -48,8 +48,8 @@ class TelemetrySender {
   /// Whether send() or send_separation() needs a report of this tick.
   bool needs_report();
 
-  /// Once a second: DEPTH decides the right of way among nearby boats; SEP_M shows operators why
-  /// this one stops.
+  /// Sends DEPTH and SEP_M once a second: DEPTH decides the right of way among nearby boats; SEP_M
+  /// shows operators why this boat stops.
   void send_separation(link::Counters& counters);
 
   /// Whether FORMATION_REFERENCE is due on a link; it is due earlier if `news` differs from the
@@ -58,7 +58,7 @@ class TelemetrySender {
   void send_reference(std::uint32_t news, const link::FormationReference& reference,
                       link::Counters& counters);
 
-  /// The same for FORMATION_FUTURE; each future is sent twice. future: nothing if it is over.
+  /// The same for FORMATION_FUTURE; each future is sent twice. future: nothing once it has ended.
   bool waits_for_future(std::uint32_t news) const;
   void send_future(std::uint32_t news, const std::optional<link::FormationFuture>& future,
                    link::Counters& counters);
@@ -71,7 +71,7 @@ class TelemetrySender {
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   struct StateTurns {
     std::uint8_t states = 0;      ///< sent since the last reference
-    bool reference_next = false;  ///< it waits for the link's budget
+    bool reference_next = false;  ///< a reference waits for the link's budget
   };
   struct ToldFuture {
     std::uint32_t news = 0;

@@ -61,7 +61,7 @@ inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kCoastRunning, "FS_COAST_S elapsed"},
 }};
 
-/// Calls f(sentence) for each condition of the set, the most important first.
+/// Calls f(text) for each unmet condition, the most important first.
 template <class F>
 void for_each_complaint(core::Conditions unmet, F f) {
   for (const Complaint& complaint : kComplaints) {
@@ -69,7 +69,7 @@ void for_each_complaint(core::Conditions unmet, F f) {
   }
 }
 
-/// The most important sentence; empty if the set is.
+/// The text of the most important unmet condition; empty if all are met.
 inline std::string_view complaint_of(core::Conditions unmet) {
   for (const Complaint& complaint : kComplaints) {
     if ((unmet & complaint.condition) != 0) return complaint.sentence;

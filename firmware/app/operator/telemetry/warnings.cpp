@@ -100,7 +100,8 @@ void Warnings<S>::warn_of_fast_slot(const Seen& seen) {
   if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX).text());
 }
 
-/// Gives the figures, one tick before COAST or HOLD, whose own message has none.
+/// Sends the figures of a lost station, one tick before the message of COAST or HOLD, which has
+/// none.
 template <class S>
 void Warnings<S>::warn_of_station(const Seen& seen) {
   const core::StationLoss was = std::exchange(station_loss_, pilot_.station_loss());
@@ -129,7 +130,7 @@ void Warnings<S>::warn_of_current(const Seen& seen) {
   }
 }
 
-/// While armed, tells why the slot is not sound: at once, then every 10 s.
+/// While armed, reports why the slot is not sound: at once, then every 10 s.
 template <class S>
 void Warnings<S>::warn_of_unsound_slot(const Seen& seen) {
   if ((seen.conditions & core::kSlotSound) != 0 || !core::armed(seen.state)) return;
