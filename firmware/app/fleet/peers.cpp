@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kAhead_ms = 10'000;
 // Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
-constexpr int kFar = 20;  // more beacons than a boat sends in kOvertaken_ds
+constexpr int kNumbersBack = 20;  // more beacons than a boat sends in kOvertaken_ds
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
@@ -63,7 +63,7 @@ bool FleetPeers::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std:
   const std::uint16_t now_ds = deciseconds(now_us);
   const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
   const bool overtaken = heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0;
-  const bool restarted = beacon.epoch == 0 && ahead <= -kFar;
+  const bool restarted = beacon.epoch == 0 && ahead <= -kNumbersBack;
   if (overtaken && !restarted) return false;
   heard.sequence = beacon.sequence;
   heard.beacon_ds = now_ds;
