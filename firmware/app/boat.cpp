@@ -169,9 +169,7 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
         outlook_of(pilot_, state() == core::State::kAuto, configuration().plan.fastest_mps),
         now_us);
   }
-  const bool rests = state() == core::State::kHold || state() == core::State::kFault;
-  const bool by_order = supervisor_.intended_mode() == mode::kHold;
-  const bool stopped = (rests && by_order) || state() == core::State::kDisarmed;
+  const bool stopped = supervisor_.is_stopped_by_request();
   const FleetOrder order = fleet_.order(state(), stopped, conditions_, now_us);
   if (order == FleetOrder::kLead) report_last_tick();
   if (fleet_.take_change()) {

@@ -38,6 +38,12 @@ class Supervisor {
   std::uint8_t mode() const;
   std::uint8_t intended_mode() const { return intended_mode_; }
 
+  /// Disarmed, or in HOLD or FAULT by request and not because of a failure.
+  bool is_stopped_by_request() const {
+    const bool rests = state_ == core::State::kHold || state_ == core::State::kFault;
+    return state_ == core::State::kDisarmed || (rests && intended_mode_ == mode::kHold);
+  }
+
   const Sticks& sticks() const { return sticks_; }
   const std::optional<MotorTest>& motor_test() const { return test_; }  ///< the last one
 

@@ -154,8 +154,8 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     }
     return;
   }
-  // A boat that the newest table omits needs it too, or it might take over from the leader.
   const auto now_rank = rank_in(ledger_.current(), from);
+  // A boat that the newest table omits needs it too, or it might take over from the leader.
   if (!is_of(held, from) && !now_rank && !ledger_.replaces(beacon.epoch, beacon.digest)) return;
   FleetTable theirs;
   theirs.epoch = beacon.epoch;
@@ -167,11 +167,16 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     table_us_ = now_us + kTurn_us * static_cast<std::int64_t>((own.value_or(0) + beacon.sequence) %
                                                               held.count);
   }
-  if (!now_rank) return;
+  if (now_rank) take(*now_rank, beacon, now_us);
+}
+
+/// A member's beacon. Takes the fleet's place in its plan from the leader or, if this boat does not
+/// hear the leader, from a member that does.
+void Fleet::take(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const std::size_t leader = succession_.leader();
-  const FleetPeer& peer = peers_.all()[*now_rank];
+  const FleetPeer& peer = peers_.all()[rank];
   const bool relayed = peer.hears == leader;
-  peers_.take(*now_rank, beacon, ledger_, now_us);
+  peers_.take(rank, beacon, ledger_, now_us);
   const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
   // After the leader's stop, the member's first beacon no longer names a leader.
   const bool ends = relayed && beacon.plan_id == 0;
@@ -179,9 +184,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   const bool knows = peer.fit || beacon.plan_id != 0;
   const bool relays = unheard && knows && (peer.hears == leader || ends);
   const bool by_leader = peer.leads || (beacon.flags & FleetPeers::kEnds) != 0;
-  if ((*now_rank == leader && by_leader) || relays) {
-    note_place({beacon.plan_id, beacon.plan_item});
-  }
+  if ((rank == leader && by_leader) || relays) note_place({beacon.plan_id, beacon.plan_item});
 }
 
 void Fleet::note_place(const FleetPlace& place) {

@@ -61,12 +61,10 @@ class StreamLink {
   [[gnu::noinline]] bool takes(link::Address from, std::size_t link, std::int64_t now_us) {
     constexpr std::uint32_t kSilent_ms = 5000;
     const auto ms = static_cast<std::uint32_t>(now_us / 1000);
-    const bool last = from == senders_[0].from;
-    if (!last) std::swap(senders_[0], senders_[1]);
-    Sender& sender = senders_[0];
-    const bool known = from == sender.from;
-    if (known && link != sender.link && ms - sender.ms < kSilent_ms) return false;
-    sender = {ms, from, static_cast<std::uint8_t>(link)};
+    if (from != senders_[0].from) std::swap(senders_[0], senders_[1]);
+    Sender& last = senders_[0];
+    if (from == last.from && link != last.link && ms - last.ms < kSilent_ms) return false;
+    last = {ms, from, static_cast<std::uint8_t>(link)};
     return true;
   }
 

@@ -60,8 +60,9 @@ constexpr bool kSaturates = false;
   return __builtin_sub_overflow(a, b, &out) ? end(a < 0) : out;
 }
 
-/// Whether the processor has saturated a sum since the last call. Nothing else may set its flag:
-/// tests/cortex_m checks that the image has no other instructions that do.
+/// Whether the processor has saturated a sum since the last call. Nothing else may set its flag.
+/// tests/cortex_m checks the image for such instructions, except the smlabb of a few sums of
+/// indices, which set it only beyond 32 bits.
 inline bool take_saturation() {
   std::uint32_t flags = 0;
   if constexpr (kSaturates) {

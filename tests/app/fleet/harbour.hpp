@@ -2,6 +2,8 @@
 // Fleets of the shipped class that hear each other's messages.
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -121,6 +123,42 @@ inline Harbour under_way() {
   Harbour harbour;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
   harbour.sail(5);
+  return harbour;
+}
+
+/// A table in which tablet 50, which sends no beacons, takes boat 1's place.
+inline void tablet_leads(Harbour& harbour) {
+  FleetTable tablet = table_of_four(2);
+  tablet.members[0].system = 50;
+  tablet.members[0].only_leads = true;
+  tablet.members[1].leader = tablet.members[3].leader = 50;
+  harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
+}
+
+/// Sails while tablet 50 tells its motion to all but boat 1.
+inline void sail_behind_tablet(Harbour& harbour, int tenths) {
+  for (int tenth = 0; tenth < tenths; ++tenth) {
+    for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {50, 1});
+    harbour.sail(0.1);
+  }
+}
+
+/// Boat 1 is silent, and boat 2 has taken over.
+inline Harbour taken_over() {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+  return harbour;
+}
+
+/// Boat 2 has taken over. Boat 1 is back, so boat 2 must yield to it, but cannot follow it yet.
+inline Harbour yielding() {
+  Harbour harbour = taken_over();
+  harbour.boats[1].may_follow = false;
+  harbour.boats[0].on = true;
+  harbour.sail(0.5);
+  CHECK(harbour.boats[1].order == FleetOrder::kFollow);
   return harbour;
 }
 

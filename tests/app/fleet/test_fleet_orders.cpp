@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <initializer_list>
-#include <utility>
 
 #include "app/fleet/harbour.hpp"
 
@@ -14,79 +13,9 @@ using core::State;
 using testing::Harbour;
 using testing::kOperator;
 using testing::table_of_four;
+using testing::taken_over;
 using testing::under_way;
-
-/// A table in which tablet 50, which sends no beacons, takes boat 1's place.
-void tablet_leads(Harbour& harbour) {
-  FleetTable tablet = table_of_four(2);
-  tablet.members[0].system = 50;
-  tablet.members[0].only_leads = true;
-  tablet.members[1].leader = tablet.members[3].leader = 50;
-  harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
-}
-
-TEST_CASE("a boat that takes over from a leader without a plan waits and starts none") {
-  for (const State state : {State::kGuided, State::kLoiter, State::kReturn}) {
-    CAPTURE(static_cast<int>(state));
-    Harbour harbour = under_way();
-    harbour.boats[0].state = state;
-    harbour.sail(0.5);  // before a beacon could repeat the old place
-    harbour.boats[0].on = false;
-    harbour.sail(2);
-    CHECK(harbour.boats[1].fleet.place().plan_id == 0);
-    CHECK(harbour.boats[1].state == State::kLoiter);
-  }
-}
-
-TEST_CASE("a boat that takes over from a leader with a paused plan waits") {
-  Harbour harbour = under_way();
-  harbour.boats[0].place = {0, 3};
-  harbour.sail(0.5);
-  harbour.boats[0].on = false;
-  harbour.sail(2);
-  CHECK(harbour.boats[1].state == State::kLoiter);
-}
-
-TEST_CASE("an earlier plan of the fleet is not resumed after a root without a plan") {
-  Harbour harbour = under_way();
-  harbour.boats[0].state = State::kHold;
-  tablet_leads(harbour);
-  for (int tenth = 0; tenth < 50; ++tenth) {
-    for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {50, 1});
-    harbour.sail(0.1);
-  }
-  CHECK(harbour.leader_of(1) == 50);
-  harbour.sail(3);
-  CHECK(harbour.boats[1].state == State::kLoiter);
-}
-
-TEST_CASE("a camera with a leading tablet's system id does not keep the tablet alive") {
-  Harbour harbour = under_way();
-  tablet_leads(harbour);
-  for (int tenth = 0; tenth < 70; ++tenth) {
-    for (std::size_t who = 1; who < 4; ++who) {
-      if (tenth < 50) harbour.hear(who, link::Attitude{}, {50, 1});
-      harbour.hear(who, link::Heartbeat{}, {50, 100});
-    }
-    harbour.sail(0.1);
-  }
-  CHECK(harbour.boats[1].state == State::kLoiter);
-}
-
-TEST_CASE("a boat does not yield to a root without beacons that was never heard") {
-  Harbour harbour = under_way();
-  FleetTable tablet = table_of_four(2);
-  for (std::size_t i = 3; i > 0; --i) tablet.members[i].system = tablet.members[i - 1].system;
-  tablet.members[0].system = 50;
-  tablet.members[0].only_leads = true;
-  for (std::size_t i = 1; i < 4; ++i) tablet.members[i].leader = tablet.members[i - 1].system;
-  tablet = table_of(message_of(tablet, 0));
-  for (std::size_t i = 0; i < 4; ++i) harbour.hear(i, message_of(tablet, 0), kOperator);
-  for (int tick = 0; tick < 300; ++tick) {
-    harbour.sail(0.01);
-    CHECK(harbour.boats[0].state == State::kAuto);
-  }
-}
+using testing::yielding;
 
 TEST_CASE("a new slot for the leading boat does not end its lead") {
   Harbour harbour = under_way();
@@ -96,25 +25,6 @@ TEST_CASE("a new slot for the leading boat does not end its lead") {
   CHECK(harbour.boats[0].fleet.place().plan_id == 77);
   CHECK(harbour.boats[1].state == State::kFormation);
   CHECK(harbour.leader_of(1) == 1);
-}
-
-/// Boat 1 is silent, and boat 2 has taken over.
-Harbour taken_over() {
-  Harbour harbour = under_way();
-  harbour.boats[0].on = false;
-  harbour.sail(3);
-  REQUIRE(harbour.boats[1].state == State::kAuto);
-  return harbour;
-}
-
-/// Boat 2 has taken over. Boat 1 is back, so boat 2 must yield to it, but cannot follow it yet.
-Harbour yielding() {
-  Harbour harbour = taken_over();
-  harbour.boats[1].may_follow = false;
-  harbour.boats[0].on = true;
-  harbour.sail(0.5);
-  CHECK(harbour.boats[1].order == FleetOrder::kFollow);
-  return harbour;
 }
 
 TEST_CASE("a boat that yields, but cannot follow yet, keeps the mode set by its operator") {
@@ -154,88 +64,6 @@ TEST_CASE("a boat that took over and waits yields to a better leader") {
   harbour.boats[0].on = true;
   harbour.sail(2);
   CHECK(harbour.boats[1].state == State::kFormation);
-}
-
-TEST_CASE("an operator's HOLD or DISARM of the leader ends the plan, a failure does not") {
-  for (const State state : {State::kHold, State::kDisarmed}) {
-    for (const bool stopped : {true, false}) {
-      CAPTURE(static_cast<int>(state));
-      CAPTURE(stopped);
-      Harbour harbour = under_way();
-      harbour.boats[0].state = state;
-      harbour.boats[0].stopped = stopped;
-      harbour.sail(3);
-      CHECK(harbour.boats[1].state == (stopped ? State::kLoiter : State::kAuto));
-    }
-  }
-}
-
-TEST_CASE("a boat that hears the leader only through another knows that its plan has ended") {
-  for (const bool stopped : {true, false}) {
-    CAPTURE(stopped);
-    Harbour harbour = under_way();
-    harbour.boats[1].deaf_to = 1;
-    harbour.sail(5);
-    CHECK(harbour.boats[1].fleet.place().plan_id == 77);
-    harbour.boats[0].state = State::kHold;
-    harbour.boats[0].stopped = stopped;
-    harbour.sail(3);
-    CHECK(harbour.boats[1].state == (stopped ? State::kLoiter : State::kAuto));
-  }
-}
-
-TEST_CASE("a follower that its operator has stopped does not end the plan of others") {
-  for (int start = 0; start < 24; ++start) {
-    CAPTURE(start);
-    Harbour harbour = under_way();
-    harbour.boats[3].state = State::kHold;
-    harbour.boats[3].stopped = true;
-    harbour.sail(3 + 0.05 * start);
-    harbour.boats[1].deaf_to = 1;
-    harbour.sail(0.2);
-    harbour.boats[0].on = false;
-    harbour.sail(4);
-    CHECK(harbour.boats[1].state == State::kAuto);
-  }
-}
-
-TEST_CASE("who takes over from a leader that paused knows where the fleet was in its plan") {
-  Harbour harbour = under_way();
-  harbour.boats[0].place = {77, 5};
-  harbour.sail(3);
-  harbour.boats[0].place = {0, 5};  // paused
-  harbour.sail(2);
-  harbour.boats[0].on = false;
-  harbour.sail(2);
-  CHECK(harbour.boats[1].state == State::kLoiter);
-  CHECK(harbour.boats[1].fleet.last_plan_id() == 77);
-  CHECK(harbour.boats[1].fleet.place().item == 5);
-}
-
-TEST_CASE(
-    "a leader in another mode, or without beacons, does not change the fleet's place in its plan") {
-  for (const bool tablet : {false, true}) {
-    CAPTURE(tablet);
-    Harbour harbour = under_way();
-    harbour.boats[0].place = {77, 9};
-    harbour.sail(3);
-    if (tablet) {
-      tablet_leads(harbour);
-      for (int tenth = 0; tenth < 30; ++tenth) {
-        for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {50, 1});
-        harbour.sail(0.1);
-      }
-    } else {
-      harbour.boats[0].state = State::kGuided;
-      harbour.boats[0].place = {88, 2};
-      harbour.sail(3);
-      harbour.boats[0].on = false;
-    }
-    harbour.sail(3);
-    CHECK(harbour.boats[1].state == State::kLoiter);
-    CHECK(harbour.boats[1].fleet.last_plan_id() == 77);
-    CHECK(harbour.boats[1].fleet.place().item == 9);
-  }
 }
 
 TEST_CASE("a root in LOITER or RTL leads: others take over from it, and none leads beside it") {
@@ -284,114 +112,6 @@ TEST_CASE("if the boat that took over from a waiting root fails, the next one sa
   CHECK(harbour.boats[2].state == State::kAuto);
 }
 
-TEST_CASE("a leader that a new table no longer lets lead follows the next one") {
-  Harbour harbour = under_way();
-  FleetTable next = table_of_four(2);
-  std::swap(next.members[0], next.members[1]);
-  next.members[0].leader = 0;
-  next.members[1].leader = 2;
-  next.members[1].can_lead = false;
-  next = table_of(message_of(next, 0));
-  harbour.hear(0, message_of(next, 0), kOperator);
-  harbour.sail(5);
-  CHECK(harbour.boats[0].state == State::kFormation);
-  CHECK(harbour.boats[1].state == State::kAuto);
-  CHECK(harbour.leader_of(0) == 2);
-}
-
-/// A table without boat 2, in which boats 3 and 4 follow boat 1.
-FleetTable without_boat_2(std::uint16_t epoch) {
-  FleetTable table = table_of_four(epoch);
-  table.members[1] = table.members[2];
-  table.members[2] = table.members[3];
-  table.members[1].leader = table.members[2].leader = 1;
-  table.count = 3;
-  return table_of(message_of(table, 0));
-}
-
-TEST_CASE(
-    "a boat that took over stops when a table leaves it out; one that its operator sent goes on") {
-  for (const bool sent : {false, true}) {
-    CAPTURE(sent);
-    Harbour harbour = sent ? under_way() : taken_over();
-    if (sent) harbour.boats[1].state = State::kGuided;
-    harbour.sail(1);
-    harbour.hear(1, message_of(without_boat_2(2), 0), kOperator);
-    harbour.sail(1);
-    CHECK(harbour.boats[1].state == (sent ? State::kGuided : State::kHold));
-  }
-}
-
-TEST_CASE(
-    "a boat that took over, and yields but cannot follow yet, stops when a table leaves it out") {
-  Harbour harbour = yielding();
-  harbour.hear(1, message_of(without_boat_2(2), 0), kOperator);
-  harbour.sail(1);
-  CHECK(harbour.boats[1].state == State::kHold);
-}
-
-TEST_CASE("a leader that the next table leaves out is replaced at once if it stops before") {
-  Harbour harbour = taken_over();
-  harbour.hear(1, message_of(without_boat_2(2), 10'000), kOperator);
-  harbour.sail(2);
-  harbour.boats[1].state = State::kHold;
-  harbour.sail(1);
-  CHECK(harbour.boats[2].state == State::kAuto);
-}
-
-TEST_CASE("a restart of the leader is a failure, noticed at once, and no operator's order") {
-  for (const bool is_lost : {false, true}) {  // the first beacon after the restart, without a table
-    CAPTURE(is_lost);
-    Harbour harbour = under_way();
-    harbour.sail(30);  // its beacons have higher numbers by now
-    harbour.boats[0].fleet = {};
-    harbour.boats[0].state = State::kDisarmed;
-    harbour.boats[0].stopped = true;
-    if (is_lost) harbour.cut_off(0);
-    harbour.sail(0.3);
-    harbour.reach(0);
-    harbour.sail(is_lost ? 3.9 : 1.2);
-    CHECK(harbour.boats[1].state == State::kAuto);
-  }
-}
-
-TEST_CASE("a late beacon from before a boat got its table changes nothing") {
-  Harbour harbour = under_way();
-  link::FleetBeacon late{};
-  late.sequence = 1;
-  for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, late, {1, 1});
-  for (const std::size_t who : {0U, 2U, 3U}) harbour.hear(who, late, {2, 1});
-  harbour.sail(2);
-  CHECK(harbour.boats[0].state == State::kAuto);
-  CHECK(harbour.boats[1].state == State::kFormation);
-  CHECK(harbour.leader_of(2) == 2);
-}
-
-TEST_CASE("a boat that was never fit leaves the tree of a fleet under way, until it is") {
-  Harbour harbour;
-  harbour.boats[1].state = State::kDisarmed;
-  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
-  harbour.sail(5);
-  CHECK(harbour.leader_of(2) == 1);
-  harbour.boats[1].state = State::kFormation;
-  harbour.sail(2);
-  CHECK(harbour.leader_of(2) == 2);
-}
-
-TEST_CASE(
-    "a boat that no longer hears the leader, but others do, repeats that for two seconds only") {
-  Harbour harbour = under_way();
-  harbour.boats[1].deaf_to = 1;
-  harbour.sail(1.2);  // FS_LEADER_S and 0.2 s
-  const std::size_t before = harbour.boats[1].bytes;
-  harbour.sail(2.4);
-  const std::size_t soon = harbour.boats[1].bytes;
-  CHECK(soon - before >= 12 * 25);
-  harbour.sail(12);
-  CHECK(harbour.boats[1].bytes - soon <= 12 * 25);
-  CHECK(harbour.boats[1].state == State::kFormation);
-}
-
 TEST_CASE("a boat that yields follows as soon as it can") {
   Harbour harbour = yielding();
   harbour.sail(5);
@@ -399,30 +119,6 @@ TEST_CASE("a boat that yields follows as soon as it can") {
   harbour.boats[1].may_follow = true;
   harbour.sail(0.1);
   CHECK(harbour.boats[1].state == State::kFormation);
-}
-
-TEST_CASE("a root that was no member before is replaced only if it stays silent") {
-  for (const bool speaks : {true, false}) {
-    CAPTURE(speaks);
-    Harbour harbour = under_way();
-    harbour.boats.emplace_back();
-    harbour.boats[4].system = 9;
-    harbour.boats[4].state = State::kAuto;
-    FleetTable next = table_of_four(2);
-    next.members[0].system = 9;
-    next.members[1].leader = next.members[3].leader = 9;
-    next = table_of(message_of(next, 0));
-    harbour.boats[4].on = speaks;
-    harbour.hear(4, message_of(next, 1000), kOperator);
-    for (std::size_t i = 0; i < 4; ++i) harbour.hear(i, message_of(next, 1000), kOperator);
-    harbour.boats[0].on = false;
-    for (int tick = 0; tick < 200; ++tick) {
-      harbour.sail(0.01);
-      if (speaks) CHECK(harbour.boats[1].state == State::kFormation);
-    }
-    harbour.sail(1.5);
-    CHECK(harbour.boats[1].state == (speaks ? State::kFormation : State::kAuto));
-  }
 }
 
 TEST_CASE("a leader steered by a pilot still leads: no other boat starts the plan") {
@@ -475,22 +171,6 @@ TEST_CASE("a leader that its operator makes a follower does not take over again"
   CHECK(harbour.boats[0].state == State::kFormation);
   CHECK(harbour.boats[1].state == State::kFormation);
   CHECK(harbour.leader_of(1) == 1);
-}
-
-TEST_CASE("a boat that was left out of a table does not take over when it comes back") {
-  Harbour harbour = under_way();
-  FleetTable two = table_of_four(2);
-  two.count = 2;
-  for (std::size_t i = 0; i < 4; ++i) harbour.hear(i, message_of(two, 0), kOperator);
-  harbour.sail(2);
-  for (testing::Boat& boat : harbour.boats) boat.state = State::kHold;
-  harbour.sail(2);
-  harbour.boats[2].state = State::kFormation;
-  for (std::size_t i = 0; i < 4; ++i) {
-    harbour.hear(i, message_of(table_of_four(3), 0), kOperator);
-  }
-  harbour.sail(5);
-  CHECK(harbour.boats[2].state == State::kFormation);
 }
 
 }  // namespace
