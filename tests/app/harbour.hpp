@@ -29,7 +29,7 @@ struct Harbour {
   B boat;
   link::MavlinkEncoder navigation{{1, 2}}, leader{{100, 1}}, operator_{{255, 190}};
   bool navigation_talks = true, leader_talks = true, port_talks = true, stbd_talks = true;
-  float leader_north_m = 3;
+  float leader_north_m = 0.5F;                   ///< near enough for a boat that does not respond
   std::int64_t leader_clock_us = 5'000'000'000;  ///< leader's time − ours
   std::int64_t now_us = 1'000'000;
   std::uint8_t esc_transfer = 0, node_transfer = 0;
@@ -77,7 +77,11 @@ struct Harbour {
   void talk() {
     const link::GpsGlobalOrigin origin{410'000'000, 20'000'000, 0, 0};
     const bool second = now_us % 1'000'000 < kTick_us;
-    if (navigation_talks) tell(navigation, state(now_us, 0, 0));
+    if (navigation_talks) {
+      link::Odometry own = state(now_us, 0, 0);
+      own.q[3] = static_cast<float>(now_us / kTick_us % 3) * 1e-4F;  // as of any real instrument
+      tell(navigation, own);
+    }
     if (navigation_talks && second) tell(navigation, origin);
     if (leader_talks) tell(leader, state(now_us + leader_clock_us, leader_north_m, 0));
     if (leader_talks && second) tell(leader, origin);

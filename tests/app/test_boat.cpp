@@ -32,7 +32,7 @@ TEST_CASE_TEMPLATE("a boat that is armed and in FORMATION pushes towards its slo
   CHECK(h.pushes());
   CHECK(h.raw.cmd[0] > 0);  // the slot is ahead
   CHECK(h.arming == 255);
-  CHECK(h.boat.snapshot().error.x == doctest::Approx(-3).epsilon(0.1));
+  CHECK(h.boat.snapshot().error.x == doctest::Approx(-0.5).epsilon(0.1));
 }
 
 TEST_CASE_TEMPLATE("disarmed, every tick sends exactly zeros to both propellers and ArmingStatus 0",

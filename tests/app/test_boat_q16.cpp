@@ -61,7 +61,7 @@ TEST_CASE("disarming leaves FAULT; the boat arms and sails again, where its numb
   h.sail(1);
   CHECK(h.boat.state() == State::kDisarmed);
   CHECK((h.boat.conditions() & core::kInRange) != 0);
-  h.leader_north_m = 3;
+  h.leader_north_m = 0.5F;
   h.cast_off();
   CHECK(h.boat.state() == State::kFormation);
   CHECK(h.pushes());
@@ -94,7 +94,7 @@ TEST_CASE("a leader reported at 400 m/s is not believed: it is lost, and the boa
   h.leader_talks = false;
   const auto before = h.raw.cmd;
   for (int i = 0; i < 300; ++i) {
-    h.tell(h.leader, Harbour<Q16>::state(h.now_us + h.leader_clock_us, 3, 400));
+    h.tell(h.leader, Harbour<Q16>::state(h.now_us + h.leader_clock_us, 0.5F, 400));
     h.step();
     CHECK(std::abs(h.raw.cmd[0]) <= std::max(std::abs(before[0]), std::abs(before[1])) + 8191);
     CHECK(h.boat.state() != State::kFault);

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""A fleet that loses its leader, an inner boat, or half of its radio, while it sails a plan.
+"""A fleet that loses its leader, an inner boat, both, or half of its radio, while it sails a plan.
 
-    python -m tests.loop.succession [--instants 8] [--kinds leader inner split none]
+    python -m tests.loop.succession [--instants 8] [--kinds leader inner two split none]
 
 The scenario `lead` with eight boats in a vee, on a radio that loses 30 % and is up to 0.3 s late.
-All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 (or boat 2,
-which boats 4, 6 and 8 hang on) is killed, or the radio is split between boats 1 to 4 and 5 to 8 for
-60 s, at instants spread over the plan. Truth, and the boats' own words, are judged. `none`: nothing
-fails, for comparison.
+All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 is killed, or
+boat 2, on which boats 4, 6 and 8 hang, or both; or the radio is split between boats 1 to 4 and 5 to
+8 for 60 s. This happens at instants spread over the plan. Truth, and the boats' own words, are
+judged. `none`: nothing fails, for comparison.
 """
 
 import argparse
@@ -33,15 +33,17 @@ from sil.wire.fleet_table import Beacon, Member, beacons, table_message
 from sil.wire.operator import plan_upload
 from sil.wire.plan_upload import PlanUpload
 
-KINDS = ("leader", "inner", "split")
+#: The boats that a failure kills.
+KILLS = {"leader": (1,), "inner": (2,), "two": (1, 2)}
+KINDS = (*KILLS, "split")
 NOTHING = "none"
-#: Within which a boat is in its slot, for at least so long.
+#: A boat within this distance for that long is in its slot.
 IN_SLOT_M, STAYS_S = 0.2, 5.0
-#: After which a failure has had its effect.
+#: A failure has had its effect after this time.
 FELT_S = 10.0
 FIRST_S, LAST_S, AFTER_S, SPLIT_S = 20.0, 80.0, 90.0, 60.0
 FORMS_UP_S = 60.0
-#: Boat by boat, whom it follows in the table.
+#: The leader of each boat in the table; 0: none.
 TREE = (0, 1, 1, 2, 3, 2, 3, 4)
 SETTINGS = (
     "leader.waypoints=[[0, 0], [70, 0], [70, 50], [0, 50]]",
@@ -177,12 +179,11 @@ def scenarios_of(kind: str, instants: Sequence[float]) -> list[Scenario]:
     rest_s = AFTER_S + apart_s(kind)
     made = []
     for seed, at_s in enumerate(instants, start=1):
-        agent = 2 if kind == "inner" else 1
-        fault = Fault(kind="restart", agent=agent, at_s=at_s)
+        killed = KILLS.get(kind, ())
         update = {
             "seed": seed,
             "duration_s": max(instants) + rest_s,
-            "fault": () if kind in ("split", NOTHING) else (fault,),
+            "fault": tuple(Fault(kind="restart", agent=boat, at_s=at_s) for boat in killed),
         }
         made.append(base.model_copy(update=update))
     return made
@@ -214,8 +215,8 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
     """Compare a run with what is asked of it."""
     t_s, states = np.array(track.t_s), np.array(track.states)
     eta, leads = np.array(track.eta), np.array(track.leads)
-    dead = {"leader": 0, "inner": 1}.get(kind)
-    live = [boat for boat in range(states.shape[1]) if boat != dead]
+    dead = [boat - 1 for boat in KILLS.get(kind, ())]
+    live = [boat for boat in range(states.shape[1]) if boat not in dead]
     from_s = at_s + apart_s(kind)
     after = t_s >= from_s
     count = leads[after][:, live].sum(axis=1)
@@ -235,11 +236,9 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
         for b in live
         if a < b
     ]
-    wreck = np.inf
-    if dead is not None:
-        wreck = min(
-            np.hypot(*(eta[since][:, a, :2] - eta[since][:, dead, :2]).T).min() for a in live
-        )
+    wreck = [
+        np.hypot(*(eta[since][:, a, :2] - eta[since][:, b, :2]).T).min() for a in live for b in dead
+    ]
     return Healed(
         kind,
         at_s,
@@ -248,7 +247,7 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
         FELT_S + first_s(off_m[t_s >= from_s + FELT_S] <= IN_SLOT_M, step_s),
         float(off_m[settled].max()),
         float(min(nearest)),
-        float(wreck),
+        float(min(wreck, default=np.inf)),
         bool(states[-1, leader] == _AUTO),
         tuple(flotilla.STATES[state] for state in states[-1][live]),
     )

@@ -49,7 +49,8 @@ PAPER: dict[str, float] = {
     "LAW_REF": 0.0,
     "FS_SEP_M": 0.0,
 }
-TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
+# A leader that keeps every propeller busy, and a boat that is carried along behind it.
+TURN, BEHIND = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2), Course(3.7, 2.8, 0.45, 0.6, 0.0, 0.2)
 
 #: Hypothesis with equal examples in every run.
 seeded = functools.partial(settings, derandomize=True, database=None, deadline=None)
@@ -88,7 +89,11 @@ class Tick:
 
 
 class Sea:
-    """Simulates one boat tick by tick; set `on` of a sender to False to silence it."""
+    """Simulates one boat tick by tick; set `on` of a sender to False to silence it.
+
+    The boat does not move under its thrust, so by default it is near its slot: elsewhere it would
+    stop after some seconds because it does not respond.
+    """
 
     def __init__(
         self,
@@ -105,7 +110,7 @@ class Sea:
         self.period_us: int = round(1e6 / self.boat.parameters()["CTL_RATE"])
         self.now_us = start_us
         own = own or Course(1.0, 2.0, 0.3)
-        leader = leader or Course(5.0, 5.0, 0.5)
+        leader = leader or Course(1.4, 2.2, 0.4)
         self.own = Agent(Station(BOAT, NAVIGATION), own, 50_000, beats=False, tells_fix=True)
         self.leader = Agent(Station(LEADER, LEADER_COMPONENT), leader, 100_000)
         self.gcs = Station(GCS, GCS_COMPONENT)
@@ -245,7 +250,7 @@ class Sea:
 
 def at_sea(parameters: dict[str, float] | None = None) -> Sea:
     """A boat that has been in FORMATION for a second, propellers turning."""
-    sea = Sea(parameters, leader=TURN)
+    sea = Sea(parameters, own=BEHIND, leader=TURN)
     sea.enter_formation()
     sea.run(1.0)
     assert sea.state == "FORMATION" and all(sea.commands)

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.target.sea import Sea, messages
+from tests.target.hull import Afloat
+from tests.target.sea import TURN, Sea, messages
 from tests.target.stations import (
     ARM,
     GCS,
@@ -59,8 +60,7 @@ def test_ten_minutes_of_bad_radio_never_arm_a_boat() -> None:
 
 def test_ten_minutes_of_bad_radio_never_change_the_mode_of_a_sailing_boat() -> None:
     rng = np.random.default_rng(7)
-    # the boat is scripted: it never comes nearer to its slot
-    sea = Sea({"CTL_RATE": 50, "FS_SLOT_M": 0.0, "FORM_OFS_N": -3.0}, links=2)
+    sea = Afloat({"CTL_RATE": 50, "FORM_OFS_N": -3.0}, leader=TURN, links=2)
     neighbour = Station(GCS, GCS_COMPONENT)
     sea.enter_formation()
     for k in range(30_000):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from tests.target.operator_words import drive, param_set, sticks
-from tests.target.sea import TURN, Sea, at_sea, named, texts
+from tests.target.sea import BEHIND, TURN, Sea, at_sea, named, texts
 from tests.target.stations import FORMATION, HOLD
 
 MANUAL = 0
@@ -128,7 +128,7 @@ def test_the_operator_may_choose_manual_where_he_holds_the_sticks(held: bool) ->
 
 
 def test_a_boat_whose_leader_was_lost_before_it_ever_pushed_does_not_push() -> None:
-    sea = Sea(leader=TURN)
+    sea = Sea(own=BEHIND, leader=TURN)
     sea.settle()
     sea.leader.on = False
     sea.run(0.85)

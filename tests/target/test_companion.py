@@ -19,7 +19,7 @@ from tests.target.operator_words import (
     param_set,
     sticks,
 )
-from tests.target.sea import TURN, Sea, acks, messages, named, texts
+from tests.target.sea import BEHIND, TURN, Sea, acks, messages, named, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,
@@ -50,7 +50,9 @@ def beat(autopilot: int = 3, kind: int = mavlink.MAV_TYPE_SURFACE_BOAT) -> Any:
 
 
 def companion(links: int = 1, **parameters: float) -> Sea:
-    sea = Sea({"MAV_IDENTITY": 1, "MAV_COMPID": COMPANION} | parameters, links, leader=TURN)
+    sea = Sea(
+        {"MAV_IDENTITY": 1, "MAV_COMPID": COMPANION} | parameters, links, own=BEHIND, leader=TURN
+    )
     sea.leader.beats = False  # as an autopilot that it would be taken for
     return sea
 

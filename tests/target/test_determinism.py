@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.target.course import Course
-from tests.target.sea import TURN, Sea, Tick, messages
+from tests.target.sea import BEHIND, TURN, Sea, Tick, messages
 from tests.target.stations import LEADER
 
 OF_THE_LAW = {
@@ -38,8 +38,8 @@ def assert_alike(these: list[Any], those: list[Any]) -> None:
     "parameters", [{}, {"THR_EXPO": 0.7, "THR_DEAD": 0.2}, {"LAW_KX": 1.0}], ids=str
 )
 def test_double_and_float_sail_alike(parameters: dict[str, float]) -> None:
-    one = Sea(parameters, leader=TURN, scalar="float")
-    two = Sea(parameters, leader=TURN, scalar="double")
+    one = Sea(parameters, own=BEHIND, leader=TURN, scalar="float")
+    two = Sea(parameters, own=BEHIND, leader=TURN, scalar="double")
     for sea in (one, two):
         sea.enter_formation()
         sea.run(20.0)
@@ -67,7 +67,7 @@ def test_far_from_the_origin_float_is_as_good_as_double(scalar: str) -> None:
 
 
 def story(scalar: str) -> list[Tick]:
-    sea = Sea(links=3, leader=TURN, scalar=scalar)
+    sea = Sea(links=3, own=BEHIND, leader=TURN, scalar=scalar)
     sea.leader.answers_timesync = True
     rng = random.Random(11)
     sea.enter_formation()

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from tests.dialect import dialect
+from tests.target.hull import Afloat
 from tests.target.operator_words import REQUEST_MESSAGE, param_read, param_set
 from tests.target.sea import TURN, Sea, assert_finite
 from tests.target.stations import (
@@ -112,10 +113,9 @@ def voyage(sea: Sea, gcs: GroundStation, garbage: bool) -> Iterator[Sea]:
         sea.ticks.clear()
 
 
-def at_its_mooring() -> Sea:
-    # FS_SLOT_M 0: the boat is moored and never reaches its slot
-    told = {"CTL_RATE": RATE_HZ, "SR_STATE": 2, "FS_SLOT_M": 0.0, NAME: 0.0}
-    return Sea(told, links=2, leader=TURN)
+def afloat() -> Afloat:
+    told = {"CTL_RATE": RATE_HZ, "SR_STATE": 2, NAME: 0.0}
+    return Afloat(told, leader=TURN, links=2)
 
 
 def assert_only_that_one_has_changed(sea: Sea, before: dict[str, float], sent: set[float]) -> None:
@@ -126,7 +126,7 @@ def assert_only_that_one_has_changed(sea: Sea, before: dict[str, float], sent: s
 
 @pytest.mark.parametrize("garbage", [False, True], ids=["spoilt", "spoilt and garbage"])
 def test_a_disarmed_boat_stays_disarmed_and_as_it_was_set(garbage: bool) -> None:
-    sea = at_its_mooring()
+    sea = afloat()
     gcs = GroundStation(random.Random(31 + garbage), modes=(HOLD,))
     before = sea.boat.parameters()
     for _ in voyage(sea, gcs, garbage):
@@ -137,7 +137,7 @@ def test_a_disarmed_boat_stays_disarmed_and_as_it_was_set(garbage: bool) -> None
 
 @pytest.mark.parametrize("garbage", [False, True], ids=["spoilt", "spoilt and garbage"])
 def test_a_boat_in_formation_changes_its_mode_only_on_request(garbage: bool) -> None:
-    sea = at_its_mooring()
+    sea = afloat()
     sea.enter_formation()
     gcs = GroundStation(random.Random(41 + garbage), modes=(HOLD, FORMATION))
     before, state, changes = sea.boat.parameters(), "FORMATION", 0
@@ -157,7 +157,7 @@ def test_a_boat_in_formation_changes_its_mode_only_on_request(garbage: bool) -> 
 
 def test_a_boat_in_formation_without_other_requests_stays_there() -> None:
     """The ground station only requests what is already so."""
-    sea = at_its_mooring()
+    sea = afloat()
     sea.enter_formation()
     gcs = GroundStation(random.Random(51), modes=(FORMATION,))
     before = sea.boat.parameters()

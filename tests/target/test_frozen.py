@@ -74,6 +74,30 @@ def test_a_leader_at_rest_is_followed_for_as_long_as_it_rests(leader: Any) -> No
     assert sea.state == "FORMATION" and sea.condition("leader_live")
 
 
+@pytest.mark.parametrize("stuck", ["place", "place and velocity", "all"])
+def test_a_unit_that_was_stuck_before_it_started_stops_the_boat_within_seven_seconds(
+    stuck: str,
+) -> None:
+    """5 s for a boat that may be held in place, and the time to see that it does not respond."""
+    sea = Afloat({"FS_LEADER_ACT": 0}, Hull(), s_curve)
+    measured = sea.own.measured
+
+    def at_rest(now_us: int) -> Course:
+        if stuck == "all":
+            return Course()
+        still = {"u": 0.0, "v": 0.0, "r": 0.0} if stuck != "place" else {}
+        return replace(measured(now_us), north=0.0, east=0.0, **still)
+
+    sea.own.measured = at_rest
+    sea.enter_formation()
+    for _ in range(700):
+        sea.step()
+        if sea.state != "FORMATION":
+            break
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    assert not sea.condition("own_live") or not sea.condition("boat_answers")
+
+
 def test_a_boat_that_lies_still_with_exact_instruments_may_be_armed() -> None:
     sea = Sea(own=Course(1.0, 2.0, 0.3))
     freeze(sea, "own")

@@ -7,7 +7,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.operator_words import sticks
-from tests.target.sea import TURN, Sea, Tick, texts
+from tests.target.sea import BEHIND, TURN, Sea, Tick, texts
 from tests.target.stations import ARM, BOAT, FORMATION, GCS, Station, heartbeat
 
 TYPE_GCS = mavlink.MAV_TYPE_GCS
@@ -18,7 +18,7 @@ class Watched(Sea):
     """A sea whose ground station sends a HEARTBEAT every second while `on`."""
 
     def __init__(self, parameters: dict[str, float], links: int = 1) -> None:
-        super().__init__({"FS_GCS_S": 3.0} | parameters, links, leader=TURN)
+        super().__init__({"FS_GCS_S": 3.0} | parameters, links, own=BEHIND, leader=TURN)
         self.on, self.beats_as, self.kind, self.link = True, Station(GCS, 190), TYPE_GCS, 0
         self.next_beat_us = self.now_us
 

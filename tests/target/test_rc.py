@@ -77,6 +77,38 @@ def test_a_stick_that_is_moved_wins_within_a_fifth_of_a_second_at_ten_messages_a
     assert sea.state == "FORMATION"
 
 
+@pytest.mark.parametrize("station", [override(), override(ahead=-0.5), override(on=True)])
+def test_a_stations_overrides_do_not_disturb_a_pilot_with_a_transmitter(station: Any) -> None:
+    sea = at_sea(WITH_RC)
+    hold(sea, station, 0.2, None)
+    states = set()
+    for k in range(40):
+        sea.say(rc(ahead=0.25 if k > 10 else 0.0, on=True), sender=RECEIVER)
+        sea.run(EVERY_S / 2)
+        sea.say(station)
+        sea.run(EVERY_S / 2)
+        states.add(sea.state)
+    assert states == {"MANUAL"}
+    assert sea.commands == pytest.approx((2048, 2048), abs=1)
+
+
+def test_a_pilot_who_switches_off_leaves_the_boat_to_a_station_that_is_switched_on() -> None:
+    sea = at_sea(WITH_RC)
+    for on in (True, False):
+        for _ in range(10):
+            sea.say(rc(on=on), sender=RECEIVER)
+            sea.say(override(ahead=0.0, on=True))
+            sea.run(EVERY_S)
+    assert sea.state == "MANUAL"
+    for _ in range(10):
+        sea.say(rc(), sender=RECEIVER)
+        sea.say(override(ahead=0.25, on=True))
+        sea.run(EVERY_S)
+    assert sea.commands == pytest.approx((2048, 2048), abs=1)
+    hold(sea, override(ahead=0.25), 0.1, None)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+
+
 def test_sticks_on_another_link_than_the_units_are_those_of_another_boat_with_our_system_id() -> (
     None
 ):

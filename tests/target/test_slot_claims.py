@@ -9,6 +9,7 @@ import pytest
 
 from sil.wire.fleet_table import Member, table_message
 from tests.dialect import dialect
+from tests.target.hull import Afloat
 from tests.target.sea import TURN, Sea, messages
 from tests.target.stations import BOAT, LEADER, STRANGER, Station
 
@@ -25,7 +26,7 @@ def claim(sea: Sea, own: Any) -> Any:
 def test_only_members_of_a_table_in_force_can_claim_a_slot_that_it_gives(
     listed: int | None,
 ) -> None:
-    sea = Sea({"LAW_REF": 1.0}, leader=TURN)
+    sea = Afloat({"LAW_REF": 1.0}, leader=TURN)
     sea.enter_formation()
     sea.run(2.0)
     if listed:

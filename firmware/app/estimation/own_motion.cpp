@@ -94,7 +94,7 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
     core::impulse_forward(moment_, given, since);
     if (!(moment_.time < S(0.025))) push_moment();  // a yaw rate resolves no shorter times
   }
-  response_.push(law.controller, given, since);
+  response_.push(law.controller, given, since, !track_.has_moved());
   const core::Vessel<S>& vessel = law.controller.vessel;
   track_.push(since * core::max(core::abs(given.X) / vessel.m11, core::abs(given.N) / vessel.m33));
   core::observer_forward(vessel, observer_, given, since);
@@ -175,7 +175,7 @@ core::Conditions OwnMotion<S>::conditions(std::int64_t limit_us, std::int64_t no
   if (track_.timed()) met |= core::kOwnTimed;
   if (quality_.good(now_us)) met |= core::kOwnGood;
   if (latency_.is_bearable() || track_.bounded()) met |= core::kOwnPrompt;
-  if (response_.answers() || !track_.has_moved()) met |= core::kBoatAnswers;
+  if (response_.answers()) met |= core::kBoatAnswers;
   return met;
 }
 

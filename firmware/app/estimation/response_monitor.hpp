@@ -24,10 +24,12 @@ class ResponseMonitor {
   void desire(const core::Nu<S>& nu_star) { desired_ = nu_star; }
 
   /// The wrench given for `since`, s. Averages over 50 ms: the thrust response takes half a second.
-  void push(const core::ControllerParams<S>& law, const core::Tau<S>& given, S since) {
+  /// held: the boat has never moved, so that it may be held in place; it gets 5 s.
+  void push(const core::ControllerParams<S>& law, const core::Tau<S>& given, S since, bool held) {
     core::impulse_forward(impulse_, given, since);
     if (impulse_.time < S(0.05)) return;
-    const core::ThrustResponseParams<S> params{.vessel = law.vessel, .propellers = law.propellers};
+    core::ThrustResponseParams<S> params{.vessel = law.vessel, .propellers = law.propellers};
+    if (held) params.patience = S(5);
     core::thrust_response_forward(params, state_, fix_, std::exchange(desired_, fix_),
                                   {impulse_.sum.X / impulse_.time, impulse_.sum.N / impulse_.time},
                                   core::min(impulse_.time, S(1)));

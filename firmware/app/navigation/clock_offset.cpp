@@ -56,6 +56,12 @@ void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int6
   if (++answers_ % kAnswers == 0) nearness_ = std::exchange(next_, 0);
 }
 
+bool ClockOffset::is_later_than(const ClockOffset& other) const {
+  if (!upper_ || !other.upper_) return false;
+  const std::int64_t later_us = *upper_ - *other.upper_;
+  return 300'000 < later_us && later_us < 60'000'000;
+}
+
 /// The upper bound less the width between the bounds / share.
 std::optional<std::int64_t> ClockOffset::below_upper(std::uint32_t share) const {
   if (!upper_ || !was_answered()) return upper_;

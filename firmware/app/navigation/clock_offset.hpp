@@ -44,6 +44,16 @@ class ClockOffset {
   /// The last answer contradicts the stamps, or took too long to be useful.
   bool disputed() const { return disputed_; }
 
+  /// Even the promptest message by this clock came 0.3 s to 60 s later than that by another clock
+  /// of the same vessel, if both count from the same instant.
+  bool is_later_than(const ClockOffset& other) const;
+
+  /// Takes the other clock's bound: messages by this one are as late as their stamps show. Ignored
+  /// if TIMESYNC bounds this clock.
+  void share(const ClockOffset& other) {
+    if (!was_answered()) upper_ = other.upper_;
+  }
+
   void reset() { *this = ClockOffset{}; }
 
  private:

@@ -87,7 +87,7 @@ class Liveness {
     const S most_s = moved_ ? patience_s_ : kHeld_s;
     const bool frozen = (place_.lasts(most_s) && place_.contradicts()) ||
                         (heading_.lasts(most_s) && heading_.contradicts()) ||
-                        (moved_ && pushed_ > kPushed && whole_.lasts(patience_s_));
+                        (pushed_ > kPushed && whole_.lasts(most_s));
     well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
     live_ = !frozen && (live_ || well_ == kFew);
   }

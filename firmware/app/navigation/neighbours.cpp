@@ -11,9 +11,10 @@
 namespace flotilla::app {
 namespace {
 
+// No moving vessel is extrapolated longer.
 constexpr std::int64_t kShipForgotten_us = 30'000'000;
-// A vessel all of whose states seem late is believed again after this time: its clock may have been
-// set back, or one wrong stamp may have run ahead. Even an old place is better than none.
+// A vessel all of whose states seem late is believed to be prompt after this time: its clock may
+// have been set back, or one wrong stamp may have run ahead.
 constexpr std::int64_t kHidden_us = 60'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two of its reports, and half a minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
@@ -30,6 +31,11 @@ constexpr float kDeepest = 250;
 float way_of(float ahead_mps, float aside_mps) {
   if (FLOTILLA_WEIGHS_SPEED == 0) return 0;
   return kFarSighted_s * (std::abs(ahead_mps) + std::abs(aside_mps));
+}
+
+std::uint16_t milliseconds(std::int64_t us) {
+  constexpr std::int64_t kMost_us = 65'535'000;
+  return static_cast<std::uint16_t>(std::clamp<std::int64_t>(us, 0, kMost_us) / 1000);
 }
 
 bool is_vehicle(const link::Heartbeat& beat) {
@@ -130,13 +136,16 @@ void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& m
     LocalFrame& next = local_frames_[last_frame_];
     if (next.system == 0 || find(next.system) == nullptr) frame = &next;
   }
-  *frame = {message.latitude, message.longitude, message.altitude, system};
+  constexpr std::int32_t kMost_m = std::numeric_limits<std::int16_t>::max();
+  const auto altitude_m =
+      static_cast<std::int16_t>(std::clamp(message.altitude / 1000, -kMost_m, kMost_m));
+  *frame = {message.latitude, message.longitude, altitude_m, system};
 }
 
 std::optional<link::GpsGlobalOrigin> Neighbours::origin_of(std::uint32_t id) const {
   const LocalFrame* frame = std::ranges::find(local_frames_, id, &LocalFrame::system);
   if (frame == local_frames_.end()) return std::nullopt;
-  return link::GpsGlobalOrigin{frame->latitude, frame->longitude, frame->altitude, 0};
+  return link::GpsGlobalOrigin{frame->latitude, frame->longitude, frame->altitude_m * 1000, 0};
 }
 
 /// The receiver may be our own, and repeats a report with its age.
@@ -186,35 +195,41 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   return vessel;
 }
 
-/// Dates a state; true if it is the newest, and young enough. An earlier stamp belongs to an
-/// overtaken message or, if no other state came for 3 s, perhaps to a clock that was restarted.
+/// Dates a state; true if it is the newest, and young enough.
 bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
-  if (vessel.id > kLastSystem) {  // stamped by our clock
-    if (vessel.dated && stamp_us < vessel.true_us) return false;
-    vessel.dated = true;
-    vessel.true_us = stamp_us;
-    return true;
+  if (vessel.id <= kLastSystem) {
+    const bool newest = date_by_stamp(vessel, stamp_us == 0 ? now_us : stamp_us, now_us);
+    vessel.late_ms = milliseconds(now_us - vessel.true_us);
+    return newest;
   }
-  if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
+  if (vessel.dated && stamp_us < vessel.true_us) return false;
+  vessel.dated = true;
+  vessel.true_us = stamp_us;
+  return true;
+}
+
+/// An earlier stamp than the last belongs to an overtaken message or, if no newer state was true
+/// within 3 s, perhaps to a clock that was restarted.
+bool Neighbours::date_by_stamp(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
   const std::int64_t last_us = vessel.true_us - vessel.ahead_us;
   const std::int64_t arrived_us = now_us - stamp_us, silent_us = now_us - vessel.true_us;
-  const bool restarted = silent_us > kForgotten_us &&
-                         (silent_us > kHidden_us || is_restart(stamp_us, last_us, silent_us));
-  if (!vessel.dated || restarted) {
-    vessel.ahead_us = arrived_us;
-  } else {
-    const std::int64_t ahead_us =
-        std::min(vessel.ahead_us + (stamp_us - last_us) / kDrift, arrived_us);
-    if (arrived_us - ahead_us > kForgotten_us) {
-      vessel.late_us = late_us_ = now_us;
-      late_ = static_cast<std::uint8_t>(vessel.id);
-      return false;
-    }
-    if (stamp_us < last_us) return false;
-    vessel.ahead_us = ahead_us;
+  const bool restarted = silent_us > kForgotten_us && (now_us - vessel.prompt_us > kHidden_us ||
+                                                       is_restart(stamp_us, last_us, silent_us));
+  std::int64_t ahead_us = arrived_us;
+  if (vessel.dated && !restarted) {
+    ahead_us = std::min(vessel.ahead_us + (stamp_us - last_us) / kDrift, arrived_us);
   }
+  const std::int64_t late_us = arrived_us - ahead_us;
+  if (late_us > kForgotten_us) {
+    late_us_ = now_us;
+    late_ = static_cast<std::uint8_t>(vessel.id);
+  }
+  const bool overtaken = vessel.dated && !restarted && stamp_us < last_us;
+  if (overtaken || late_us > kShipForgotten_us) return false;
+  if (late_us <= kForgotten_us) vessel.prompt_us = now_us;
   vessel.dated = true;
-  vessel.true_us = stamp_us + vessel.ahead_us;
+  vessel.ahead_us = ahead_us;
+  vessel.true_us = stamp_us + ahead_us;
   return true;
 }
 
@@ -246,7 +261,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
   double farthest_m = distance_m;
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
-    const bool free = v.id == 0 || now_us - std::max(v.true_us, v.late_us) > patience_us(v);
+    const bool free = v.id == 0 || now_us - v.true_us > patience_us(v);
     const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
                                                      convert::number(v.east_m - own.east_m)) -
                                          double{way_of(v.v_north_mps, v.v_east_mps)}
@@ -260,17 +275,20 @@ Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
   used_ = std::max(used_, static_cast<std::size_t>(place - vessels_.data()) + 1);
   *place = {};
   place->id = id;
-  place->true_us = now_us;
+  place->true_us = place->prompt_us = now_us;
   return place;
 }
 
 std::int64_t Neighbours::patience_us(const Vessel& vessel) {
   if (vessel.rests) return kRestingForgotten_us;
-  return vessel.id > kLastSystem ? kShipForgotten_us : kForgotten_us;
+  return vessel.id > kLastSystem ? kShipForgotten_us
+                                 : kForgotten_us + std::int64_t{vessel.late_ms} * 1000;
 }
 
 bool Neighbours::counts(const Vessel& vessel, std::int64_t now_us) {
-  return vessel.located && now_us - vessel.true_us <= patience_us(vessel);
+  const std::int64_t age_us = now_us - vessel.true_us;
+  return vessel.located && age_us <= patience_us(vessel) &&
+         (vessel.rests || age_us <= kShipForgotten_us);
 }
 
 bool Neighbours::has_way(const Vessel& vessel) const {

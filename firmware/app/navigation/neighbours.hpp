@@ -19,8 +19,8 @@ namespace flotilla::app {
 /// LOCAL_POSITION_NED and ODOMETRY. Virtual leaders, ground stations, companions and gimbals do not
 /// count. When full, keeps the nearest vessels; forgets silent ones.
 ///
-/// The delay of a state beyond that of the vessel's promptest messages adds to its age. The delay
-/// that all its messages share is not measured, but assumed to be 0.1 s.
+/// The delay of a state beyond that of the vessel's promptest messages adds to its age, up to 30 s.
+/// The delay that all its messages share is not measured, but assumed to be 0.1 s.
 ///
 /// AIS_VESSEL counts from any component, under the ship's MMSI, for 30 s, because ships report
 /// every two to ten seconds; or for 6.5 min if the ship rests, because it then reports every three
@@ -57,8 +57,7 @@ class Neighbours {
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
-  /// System id of a vessel whose messages, some or all, arrive more than three seconds late: too
-  /// late to keep clear of it.
+  /// System id of a vessel whose messages, some or all, arrive more than three seconds late.
   std::optional<std::uint8_t> late(std::int64_t now_us) const {
     return now_us - late_us_ < kForgotten_us ? std::optional(late_) : std::nullopt;
   }
@@ -76,19 +75,21 @@ class Neighbours {
     bool rests = false;    ///< a ship that stays where it is
     bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
+    std::uint16_t late_ms = 0;  ///< age of its state when the vessel was last heard
     float v_north_mps = 0, v_east_mps = 0;
     float reach_m = 0;  ///< how far a ship's hull extends from its position, a member's beyond ours
     Metres north_m, east_m;
-    std::int64_t true_us = 0;       ///< when its state was true, by our clock
-    std::int64_t ahead_us = 0;      ///< our clock minus its stamps, from its fastest message
-    std::int64_t late_us = kNever;  ///< when a message last came too late to be used
+    std::int64_t true_us = 0;    ///< when its state was true, by our clock
+    std::int64_t ahead_us = 0;   ///< our clock minus its stamps, from its fastest message
+    std::int64_t prompt_us = 0;  ///< when a message last was not late
   };
 
   /// Origin of a system's local frame; also kept for vessels without an entry: they may come
   /// nearer.
   struct LocalFrame {
-    std::int32_t latitude = 0, longitude = 0, altitude = 0;  ///< as in GPS_GLOBAL_ORIGIN
-    std::uint8_t system = 0;                                 ///< 0: free
+    std::int32_t latitude = 0, longitude = 0;  ///< as in GPS_GLOBAL_ORIGIN
+    std::int16_t altitude_m = 0;
+    std::uint8_t system = 0;  ///< 0: free
   };
 
   /// Whether a message can be of use; false for the states of the own unit and of a virtual leader.
@@ -111,6 +112,7 @@ class Neighbours {
   Vessel* take_place(std::uint32_t id, const convert::Sample<S>& sample,
                      const convert::Position& own, std::int64_t now_us);
   bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
+  bool date_by_stamp(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
   template <class S>
   void look_from(const convert::Position& own);
   Vessel* find(std::uint32_t id);
@@ -129,7 +131,7 @@ class Neighbours {
   bool watches_ = false;
   std::optional<std::uint8_t> leader_depth_;
   link::GpsGlobalOrigin frame_{};  // of all places
-  std::int64_t late_us_ = kNever;  // the latest late_us of all
+  std::int64_t late_us_ = kNever;  // when a message was last late
   std::int64_t refused_near_us_ = kNever;
   std::uint8_t late_ = 0;  // whose it is
   std::array<Vessel, core::kMaxVessels> vessels_{};

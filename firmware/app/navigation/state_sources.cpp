@@ -45,7 +45,8 @@ bool StateSources::better(Source source, std::int64_t now_us, bool origin_known)
     return static_cast<int>(of) + (nowhere ? int{kSources} : 0);
   };
   if (comes(in_use_, now_us)) {
-    return rank(source) < rank(in_use_) && heard(source).in_a_row >= kSteady;
+    return rank(source) < rank(in_use_) && heard(source).in_a_row >= kSteady &&
+           !heard(source).clock.is_later_than(clock());
   }
   for (const Source other : {Source::kOdometry, Source::kLocalPosition, Source::kFollowTarget,
                              Source::kGlobalPosition}) {
@@ -63,8 +64,10 @@ void StateSources::change_to(std::uint8_t component) {
 }
 
 void StateSources::change_to(Source source) {
-  in_use_ = source;
   Heard& in = heard(source);
+  // A source that came in parallel counts from the same instant as the old one.
+  if (in.in_a_row >= kSteady && in.clock.is_later_than(clock())) in.clock.share(clock());
+  in_use_ = source;
   if (std::exchange(in.went_back, false)) in.newest_us = in.stamp_us;
 }
 

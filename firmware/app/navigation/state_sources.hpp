@@ -17,8 +17,9 @@ enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGl
 /// Uses the component with the lowest id that sends whole states, and another one once that is
 /// silent. Of the component's sources it uses the most precise one received; a local source without
 /// a known origin ranks last. The source in use is replaced after `patience_us` of silence, or by a
-/// better one received five times in a row. Each source has its own clock, because the stamps of
-/// two sources need not count from the same instant.
+/// better one received five times in a row and not later. Each source has its own clock, because the
+/// stamps of two sources need not count from the same instant; but if they differ by 0.3 s to 60 s,
+/// the source that seems late is taken to be so.
 class StateSources {
  public:
   explicit StateSources(std::int64_t patience_us) : patience_us_(patience_us) {}

@@ -52,6 +52,10 @@ void RcInput::judge(const link::SysStatus& status) {
   lost_ = (status.sensors_enabled & ~status.sensors_health & kReceiver) != 0;
 }
 
+bool RcInput::pilots(std::int64_t now_us) const {
+  return pilots_ && now_us - heard_us_ < kSilent_us;
+}
+
 std::optional<Request> RcInput::take_request(State state, std::int64_t now_us) {
   const auto asked = std::exchange(asks_, std::nullopt);
   const bool can = core::law_drives(state) || state == State::kHold;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An RC pilot's sticks and mode switch, from RC_CHANNELS or RC_CHANNELS_OVERRIDE.
+// One RC pilot's sticks and mode switch, from RC_CHANNELS or RC_CHANNELS_OVERRIDE.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,8 @@ class RcInput {
   void judge(const link::SysStatus& status);
   bool is_lost() const { return lost_; }
 
+  /// The pilot has taken over, and is heard.
+  bool pilots(std::int64_t now_us) const;
   std::optional<Sticks> sticks() const { return pilots_ ? std::optional(sticks_) : std::nullopt; }
 
   /// The pilot's pending request, MANUAL or HOLD; MANUAL again and again while the switch is on.

@@ -175,22 +175,25 @@ void Vehicle::take_sticks(std::size_t link, const link::Received& received,
 /// message is to be treated as any other.
 bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int64_t now_us) {
   const auto channel = configuration_.operators.rc_switch;
+  RcInput* input = &transmitter_;
   std::span<const std::uint16_t> pulses_us;
   if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
-    if (received.from.system != self().system || rc_.is_lost()) return true;
+    if (received.from.system != self().system || input->is_lost()) return true;
     pulses_us = std::span(rc->pulses).first(std::min<std::size_t>(rc->chancount, 16));
   } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
     const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
     if (!channel || !ours || !may_command(received.from)) return false;
     if (!override_link_.takes(received.from, link, now_us)) return true;
+    input = &override_;
     pulses_us = given->pulses;
   } else {
     const auto* status = std::get_if<link::SysStatus>(&received.message);
-    if (status != nullptr && received.from.system == self().system) rc_.judge(*status);
+    if (status != nullptr && received.from.system == self().system) input->judge(*status);
     return false;
   }
-  if (!channel || !rc_.hear(pulses_us, *channel, supervisor_.state(), now_us)) return true;
-  if (const auto sticks = rc_.sticks()) {
+  if (!channel || !input->hear(pulses_us, *channel, supervisor_.state(), now_us)) return true;
+  const bool yields = input == &override_ && transmitter_.pilots(now_us);
+  if (const auto sticks = input->sticks(); sticks && !yields) {
     supervisor_.take_sticks(*sticks, received.from, now_us, true);
   }
   return true;
@@ -230,7 +233,9 @@ void Vehicle::stop(link::Counters& counters) {
 }
 
 void Vehicle::apply_rc(link::Counters& counters) {
-  const auto asked = rc_.take_request(supervisor_.state(), now_us_);
+  const auto overrides = override_.take_request(supervisor_.state(), now_us_);
+  auto asked = transmitter_.take_request(supervisor_.state(), now_us_);
+  if (!asked && !transmitter_.pilots(now_us_)) asked = overrides;
   if (asked == Request::kHold) note_stop();
   if (asked) request(*asked, counters);
 }

@@ -211,7 +211,7 @@ class Vehicle {
   Stop stop_;                           // the last request that stops the boat
   std::optional<std::size_t> reached_;  // last item reached
   Setpoints setpoints_;
-  RcInput rc_;
+  RcInput transmitter_, override_;  ///< the transmitter goes first
 
   std::optional<std::int64_t> gcs_us_;  // last heartbeat of one that may command
   bool changed_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <cstdlib>
+
 #include "app/navigation/state_sources.hpp"
 
 namespace flotilla::app {
@@ -16,6 +18,7 @@ struct Rounds {
 
   void hear(Source source, std::int64_t stamp_us) {
     sources.hear(source, stamp_us, now_us, true);
+    if (source == sources.in_use()) sources.clock().heard(stamp_us, now_us);
     if (source == sources.in_use() || !sources.better(source, now_us, origin_known)) return;
     sources.change_to(source);
   }
@@ -53,6 +56,47 @@ TEST_CASE("a better source is used again at its fifth message without a gap") {
   r.sail(3, {kGlobal});  // none: the messages before count
   r.sail(1, {kGlobal, kFollow});
   CHECK(r.sources.in_use() == kFollow);
+}
+
+TEST_CASE("a more precise source that is later is not chosen while the prompt one comes") {
+  for (const std::int64_t late_us : {200'000, 400'000, 3'000'000}) {
+    Rounds r;
+    r.now_us = 100'000'000;
+    r.sail(10, {kGlobal});
+    for (int k = 0; k < 20; ++k, r.now_us += kPeriod_us) {
+      r.hear(kGlobal, r.now_us);
+      r.hear(kOdometry, r.now_us - late_us);
+    }
+    const bool prompt = late_us < 300'000;
+    CHECK(r.sources.in_use() == (prompt ? kOdometry : kGlobal));
+    for (int k = 0; k < 10; ++k, r.now_us += kPeriod_us) r.hear(kOdometry, r.now_us - late_us);
+    CHECK(r.sources.in_use() == kOdometry);  // better than none
+    const std::int64_t age_us = late_us - *r.sources.clock().offset_us();
+    CHECK(std::abs(age_us - (prompt ? 0 : late_us)) < 1000);
+  }
+}
+
+TEST_CASE("sources that count from other instants are not late") {
+  Rounds r;
+  r.now_us = 500'000'000;
+  r.sail(10, {kGlobal});
+  for (int k = 0; k < 20; ++k, r.now_us += kPeriod_us) {
+    r.hear(kGlobal, r.now_us);
+    r.hear(kOdometry, r.now_us - 400'000'000);
+  }
+  CHECK(r.sources.in_use() == kOdometry);
+  CHECK(*r.sources.clock().offset_us() == doctest::Approx(400e6).epsilon(1e-4));
+}
+
+TEST_CASE("a source heard first after a restart is not late by the time that the vessel ran") {
+  Rounds r;
+  r.now_us = 20'000'000;
+  r.sail(10, {kGlobal});
+  r.now_us += 3'000'000;
+  for (int k = 0; k < 10; ++k, r.now_us += kPeriod_us)
+    r.hear(kOdometry, 1'000'000 + k * kPeriod_us);
+  CHECK(r.sources.in_use() == kOdometry);
+  CHECK(*r.sources.clock().offset_us() == doctest::Approx(23e6).epsilon(1e-4));
 }
 
 TEST_CASE("a source that repeats an old message is silent, and never comes back") {

@@ -61,7 +61,7 @@ void Warnings<S>::warn_of_vessels(const Seen& seen) {
   }
   const auto late = pilot_.late_neighbour(seen.now_us);
   if (late && late_due_.take_if_due(seen.now_us)) {
-    alarm(*late, "vessel ", " heard over 3 s late: ignored");
+    alarm(*late, "vessel ", " is heard over 3 s late");
   }
 }
 
