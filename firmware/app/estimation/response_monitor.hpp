@@ -30,6 +30,7 @@ class ResponseMonitor {
     if (impulse_.time < S(0.05)) return;
     core::ThrustResponseParams<S> params{.vessel = law.vessel, .propellers = law.propellers};
     if (held) params.patience = S(5);
+    if (std::exchange(held_, held) && !held) state_.failing = S(0);
     core::thrust_response_forward(params, state_, fix_, std::exchange(desired_, fix_),
                                   {impulse_.sum.X / impulse_.time, impulse_.sum.N / impulse_.time},
                                   core::min(impulse_.time, S(1)));
@@ -39,7 +40,7 @@ class ResponseMonitor {
 
  private:
   core::ThrustResponse<S> state_{};
-  bool answers_ = true;
+  bool answers_ = true, held_ = true;
   core::Impulse<S> impulse_{};  // since the last average
   core::Nu<S> fix_{};
   core::Nu<S> desired_{};  // without the law, the velocity of the last fix

@@ -44,7 +44,7 @@ class ClockOffset {
   /// The last answer contradicts the stamps, or took too long to be useful.
   bool disputed() const { return disputed_; }
 
-  /// Even the promptest message by this clock came 0.3 s to 60 s later than that by another clock
+  /// Even the promptest message by this clock came 0.3 s to 15 s later than that by another clock
   /// of the same vessel, if both count from the same instant.
   bool is_later_than(const ClockOffset& other) const;
 

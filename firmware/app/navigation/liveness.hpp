@@ -13,7 +13,7 @@ namespace flotilla::app {
 /// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
 /// heading likewise despite a yaw rate, or the whole state while the propellers push. A vessel at
 /// rest that reports no velocity is not frozen. A vessel that has never moved may be held in place,
-/// so it gets 5 s.
+/// so it gets 5 s, of thrust in the last case.
 template <class S>
 class Liveness {
  public:
@@ -38,6 +38,7 @@ class Liveness {
     const bool same = stays && heads && nu.u == nu_.u && nu.v == nu_.v && nu.r == nu_.r;
     if (same) {
       whole_.stay({}, h);
+      if (!moved_ && !(kPushed < pushed_)) whole_.time = S(0);
       pushed_ = left_after(h) * pushed_;
     } else {
       whole_ = {};

@@ -13,8 +13,8 @@ namespace {
 
 // No moving vessel is extrapolated longer.
 constexpr std::int64_t kShipForgotten_us = 30'000'000;
-// A vessel all of whose states seem late is believed to be prompt after this time: its clock may
-// have been set back, or one wrong stamp may have run ahead.
+// A vessel all of whose states seem even later is believed to be prompt after this time: its clock
+// may have been set back, or one wrong stamp may have run ahead.
 constexpr std::int64_t kHidden_us = 60'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two of its reports, and half a minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
@@ -181,10 +181,10 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
                              static_cast<float>(convert::number(seen.v_mps)));
   Vessel* vessel = place_for(id, apart_m - double{way_m}, own, now_us);
   if (vessel == nullptr) return nullptr;
-  if (!date(*vessel, seen.stamp_us, now_us)) {
-    if (apart_m < double{least_m_ + vessel->reach_m}) refused_near_us_ = now_us;
-    return nullptr;
-  }
+  const bool newest = date(*vessel, seen.stamp_us, now_us);
+  const bool late = !newest || vessel->late_ms * std::int64_t{1000} > kForgotten_us;
+  if (late && apart_m < double{least_m_ + vessel->reach_m}) late_near_us_ = now_us;
+  if (!newest) return nullptr;
   const auto v_n =
       core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   vessel->located = true;
@@ -213,8 +213,8 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
 bool Neighbours::date_by_stamp(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
   const std::int64_t last_us = vessel.true_us - vessel.ahead_us;
   const std::int64_t arrived_us = now_us - stamp_us, silent_us = now_us - vessel.true_us;
-  const bool restarted = silent_us > kForgotten_us && (now_us - vessel.prompt_us > kHidden_us ||
-                                                       is_restart(stamp_us, last_us, silent_us));
+  const bool restarted = silent_us > kForgotten_us &&
+                         (silent_us > kHidden_us || is_restart(stamp_us, last_us, silent_us));
   std::int64_t ahead_us = arrived_us;
   if (vessel.dated && !restarted) {
     ahead_us = std::min(vessel.ahead_us + (stamp_us - last_us) / kDrift, arrived_us);
@@ -226,7 +226,6 @@ bool Neighbours::date_by_stamp(Vessel& vessel, std::int64_t stamp_us, std::int64
   }
   const bool overtaken = vessel.dated && !restarted && stamp_us < last_us;
   if (overtaken || late_us > kShipForgotten_us) return false;
-  if (late_us <= kForgotten_us) vessel.prompt_us = now_us;
   vessel.dated = true;
   vessel.ahead_us = ahead_us;
   vessel.true_us = stamp_us + ahead_us;
@@ -275,7 +274,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
   used_ = std::max(used_, static_cast<std::size_t>(place - vessels_.data()) + 1);
   *place = {};
   place->id = id;
-  place->true_us = place->prompt_us = now_us;
+  place->true_us = now_us;
   return place;
 }
 
@@ -339,7 +338,7 @@ template <class S>
 bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_n,
                        std::int64_t now_us) const {
   if (!watches() || !same(own.origin, frame_)) return true;
-  if (now_us - refused_near_us_ < kForgotten_us) return false;
+  if (now_us - late_near_us_ < kForgotten_us) return false;
   return std::ranges::none_of(tracked(), [&](const Vessel& v) {
     return counts(v, now_us) && core::length(seen(v, own, moved_n, now_us).p_n) <
                                     convert::scalar<S>(least_m_ + v.reach_m);

@@ -52,8 +52,8 @@ class Neighbours {
   core::Traffic<S> traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                            std::int64_t now_us) const;
 
-  /// No vessel is nearer than FS_SEP_M, and no state was refused as too old in the last 3 s: a
-  /// refused state may have come from another vessel with the same system id.
+  /// No vessel is nearer than FS_SEP_M, nor was by a late state of the last 3 s: that may have come
+  /// from another vessel with the same system id.
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
@@ -79,9 +79,8 @@ class Neighbours {
     float v_north_mps = 0, v_east_mps = 0;
     float reach_m = 0;  ///< how far a ship's hull extends from its position, a member's beyond ours
     Metres north_m, east_m;
-    std::int64_t true_us = 0;    ///< when its state was true, by our clock
-    std::int64_t ahead_us = 0;   ///< our clock minus its stamps, from its fastest message
-    std::int64_t prompt_us = 0;  ///< when a message last was not late
+    std::int64_t true_us = 0;   ///< when its state was true, by our clock
+    std::int64_t ahead_us = 0;  ///< our clock minus its stamps, from its fastest message
   };
 
   /// Origin of a system's local frame; also kept for vessels without an entry: they may come
@@ -132,7 +131,7 @@ class Neighbours {
   std::optional<std::uint8_t> leader_depth_;
   link::GpsGlobalOrigin frame_{};  // of all places
   std::int64_t late_us_ = kNever;  // when a message was last late
-  std::int64_t refused_near_us_ = kNever;
+  std::int64_t late_near_us_ = kNever;
   std::uint8_t late_ = 0;  // whose it is
   std::array<Vessel, core::kMaxVessels> vessels_{};
   std::array<LocalFrame, 2 * core::kMaxVessels> local_frames_{};

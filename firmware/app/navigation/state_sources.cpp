@@ -12,6 +12,7 @@ namespace {
 
 /// Messages in a row that a better source needs before it is chosen again.
 constexpr int kSteady = 5;
+constexpr std::int64_t kLate_us = 300'000;
 
 }  // namespace
 
@@ -25,6 +26,10 @@ void StateSources::hear(Source source, std::int64_t stamp_us, std::int64_t now_u
   if (source != in_use_ || !accepted) {
     if (stamp_us < in.stamp_us) in.clock.reset();
     in.clock.heard(stamp_us, now_us);
+  }
+  if (in.late) {
+    const auto offset_us = in.clock.offset_us();
+    in.late = offset_us && now_us - stamp_us - *offset_us > kLate_us;
   }
   // Either the vessel rebooted or only this message is late: change_to() decides.
   in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
@@ -45,15 +50,22 @@ bool StateSources::better(Source source, std::int64_t now_us, bool origin_known)
     return static_cast<int>(of) + (nowhere ? int{kSources} : 0);
   };
   if (comes(in_use_, now_us)) {
-    return rank(source) < rank(in_use_) && heard(source).in_a_row >= kSteady &&
-           !heard(source).clock.is_later_than(clock());
+    if (!steady(source) || is_behind(source, in_use_)) return false;
+    return rank(source) < rank(in_use_) || is_behind(in_use_, source);
   }
   for (const Source other : {Source::kOdometry, Source::kLocalPosition, Source::kFollowTarget,
                              Source::kGlobalPosition}) {
-    const bool steady = comes(other, now_us) && heard(other).in_a_row >= kSteady;
-    if (steady && rank(other) < rank(source)) return false;
+    const bool first = rank(other) < rank(source) && !is_behind(other, source);
+    if (first && comes(other, now_us) && steady(other)) return false;
   }
   return true;
+}
+
+bool StateSources::steady(Source source) const { return heard(source).in_a_row >= kSteady; }
+
+bool StateSources::is_behind(Source source, Source other) const {
+  const Heard &one = heard(source), &two = heard(other);
+  return one.late != two.late ? one.late : one.clock.is_later_than(two.clock);
 }
 
 void StateSources::change_to(std::uint8_t component) {
@@ -66,7 +78,10 @@ void StateSources::change_to(std::uint8_t component) {
 void StateSources::change_to(Source source) {
   Heard& in = heard(source);
   // A source that came in parallel counts from the same instant as the old one.
-  if (in.in_a_row >= kSteady && in.clock.is_later_than(clock())) in.clock.share(clock());
+  if (steady(source) && !in.went_back && in.clock.is_later_than(clock())) {
+    in.clock.share(clock());
+    in.late = true;
+  }
   in_use_ = source;
   if (std::exchange(in.went_back, false)) in.newest_us = in.stamp_us;
 }

@@ -17,9 +17,9 @@ enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGl
 /// Uses the component with the lowest id that sends whole states, and another one once that is
 /// silent. Of the component's sources it uses the most precise one received; a local source without
 /// a known origin ranks last. The source in use is replaced after `patience_us` of silence, or by a
-/// better one received five times in a row and not later. Each source has its own clock, because the
-/// stamps of two sources need not count from the same instant; but if they differ by 0.3 s to 60 s,
-/// the source that seems late is taken to be so.
+/// better one received five times in a row; a prompt source is better than a late one. Each source
+/// has its own clock, because the stamps of two sources need not count from the same instant; but if
+/// they differ by 0.3 s to 15 s, the source that seems late is taken to be so.
 class StateSources {
  public:
   explicit StateSources(std::int64_t patience_us) : patience_us_(patience_us) {}
@@ -55,6 +55,7 @@ class StateSources {
   /// The clock of the source in use was set, or restarted with the vessel at this stamp.
   void reset_clock() {
     clock().reset();
+    heard(in_use_).late = false;
     ++clock_resets_;
   }
   /// How often the clock of the source in use, or its component, has changed; wraps.
@@ -71,11 +72,14 @@ class StateSources {
     std::int64_t arrived_us = 0, stamp_us = 0;
     std::int64_t newest_us = 0;  ///< the latest stamp
     bool went_back = false;      ///< the last one was earlier
+    bool late = false;           ///< shares the clock of a source that it is later than
     int in_a_row = 0;            ///< messages without a gap; 0: none yet
     ClockOffset clock;
   };
 
   bool comes(Source source, std::int64_t now_us) const;
+  bool steady(Source source) const;
+  bool is_behind(Source source, Source other) const;
   Heard& heard(Source source) { return heard_[static_cast<std::size_t>(source)]; }
   const Heard& heard(Source source) const { return heard_[static_cast<std::size_t>(source)]; }
 

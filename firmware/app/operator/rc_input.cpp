@@ -30,6 +30,7 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
   const std::uint16_t turned = pulses_us[switch_channel - 1U];
   const std::uint16_t steering = pulses_us[kSteering], throttle = pulses_us[kThrottle];
   if (!is_pulse(turned) || !is_pulse(steering) || !is_pulse(throttle)) return false;
+  pilots_ = pilots(now_us);
   heard_us_ = now_us;
   sticks_ = {share_of(throttle), share_of(steering)};
   const bool was_on = std::exchange(on_, turned > kSwitchedOn_us), law = core::law_drives(state);

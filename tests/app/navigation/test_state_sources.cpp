@@ -73,7 +73,30 @@ TEST_CASE("a more precise source that is later is not chosen while the prompt on
     CHECK(r.sources.in_use() == kOdometry);  // better than none
     const std::int64_t age_us = late_us - *r.sources.clock().offset_us();
     CHECK(std::abs(age_us - (prompt ? 0 : late_us)) < 1000);
+    for (int k = 0; k < 20; ++k, r.now_us += kPeriod_us) {
+      r.hear(kOdometry, r.now_us - late_us);
+      r.hear(kGlobal, r.now_us);
+    }
+    CHECK(r.sources.in_use() == (prompt ? kOdometry : kGlobal));
+    for (int k = 0; k < 10; ++k, r.now_us += kPeriod_us) r.hear(kGlobal, r.now_us);
+    for (int k = 0; k < 20; ++k, r.now_us += kPeriod_us) {
+      r.hear(kOdometry, r.now_us - late_us);
+      r.hear(kGlobal, r.now_us);
+    }
+    CHECK(r.sources.in_use() == (prompt ? kOdometry : kGlobal));
+    r.sail(10, {kGlobal, kOdometry});
+    CHECK(r.sources.in_use() == kOdometry);
   }
+}
+
+TEST_CASE("a late source that came first is replaced by a prompt one, which comes more seldom") {
+  Rounds r;
+  r.now_us = 100'000'000;
+  for (int k = 0; k < 30; ++k, r.now_us += kPeriod_us) {
+    r.hear(kOdometry, r.now_us - 2'000'000);
+    if (k % 3 == 0) r.hear(kGlobal, r.now_us);
+  }
+  CHECK(r.sources.in_use() == kGlobal);
 }
 
 TEST_CASE("sources that count from other instants are not late") {

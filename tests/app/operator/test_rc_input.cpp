@@ -156,6 +156,20 @@ TEST_CASE("pulses are shares of full thrust ahead and of full moment to starboar
   CHECK(t.rc.sticks()->yaw == 1);
 }
 
+TEST_CASE("a pilot who was silent does not pilot any more, until he takes over again") {
+  Transmitter t;
+  t.hear(State::kFormation);
+  t.set(1900, 1500, 1000);
+  t.hear(State::kFormation);
+  CHECK(t.request() == Request::kManual);
+  CHECK(t.rc.pilots(t.now_us));
+  t.now_us += 600'000;
+  CHECK_FALSE(t.rc.pilots(t.now_us));
+  t.hear(State::kManual);  // an operator's
+  CHECK_FALSE(t.rc.sticks());
+  CHECK_FALSE(t.rc.pilots(t.now_us));
+}
+
 TEST_CASE("invalid pulses, or a missing channel, are ignored") {
   for (const std::uint16_t wrong : std::initializer_list<std::uint16_t>{0, 799, 2201, 65535}) {
     for (const std::size_t channel : {0U, 2U, 6U}) {
