@@ -254,7 +254,7 @@ def test_an_order_to_go_on_ends_a_pause(order: tuple[int, float]) -> None:
 
 
 @pytest.mark.nightly
-def test_a_plan_that_begins_far_from_its_first_place_is_read_on_as_the_boat_sails() -> None:
+def test_a_plan_begun_far_from_its_first_waypoint_is_read_ahead_as_the_boat_sails() -> None:
     near = [at(6.0 * k, 1400.0 + 4.0 * (k % 2)) for k in range(1, 15)]
     plan = [at(0, 0), *near, at(-1390, -400), at(-1390, -1400)]
     sea = Afloat({"FS_SEP_M": 0.0}, hull=Hull([0.0, 1400.0, 0.0, 0.0, 0.0, 0.0]))
@@ -431,7 +431,7 @@ def test_a_boat_changes_between_auto_and_formation(plan_first: bool) -> None:
         assert sea.state == ("AUTO" if mode == AUTO else "FORMATION")
 
 
-def test_sticks_end_auto_only_when_they_are_asked_to() -> None:
+def test_sticks_alone_do_not_end_auto() -> None:
     sea = sailing(CORNER)
     for _ in range(20):
         sea.say(mavlink.MAVLink_manual_control_message(BOAT, 500, 0, 500, 0, 0))

@@ -74,7 +74,7 @@ def address(sea: Sea) -> tuple[int, int]:
     return header.srcSystem, header.srcComponent
 
 
-def test_a_companion_beats_as_a_companion() -> None:
+def test_a_companions_heartbeat_has_the_type_of_a_companion() -> None:
     sea = companion()
     heard = named(sea.run(5.0), "HEARTBEAT")
     assert len(heard) in (5, 6)
@@ -111,7 +111,7 @@ def test_a_companion_takes_the_id_of_neither_of_two_autopilots() -> None:
     assert address(sea) == (BOAT, COMPANION)
 
 
-def test_the_first_autopilot_again_after_another_one_is_no_second_chance() -> None:
+def test_a_companion_that_heard_two_autopilots_keeps_its_id_when_it_hears_one_again() -> None:
     sea = companion()
     for system in (AUTOPILOT, AUTOPILOT + 1, AUTOPILOT, AUTOPILOT):
         sea.say(beat(), sender=Station(system, 1))
@@ -339,7 +339,9 @@ def test_the_old_message_for_hold_stops_a_companion() -> None:
 
 
 @pytest.mark.parametrize("target", [(AUTOPILOT, 0), (0, 0)])
-def test_the_mission_of_the_whole_system_is_the_autopilots(target: tuple[int, int]) -> None:
+def test_a_companion_leaves_missions_for_the_whole_system_to_the_autopilot(
+    target: tuple[int, int],
+) -> None:
     """A companion's "none" or "cleared" would be taken for the autopilot's answer."""
     sea = latched()
     sea.say(

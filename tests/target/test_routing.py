@@ -246,7 +246,7 @@ def test_nothing_circles_where_two_links_reach_the_same_boats() -> None:
     assert frame in sent(tick, 0) and frame in sent(tick, 1) and frame not in sent(tick, 2)
 
 
-def test_of_three_links_only_the_addressees_gets_it() -> None:
+def test_of_three_links_only_the_addressees_link_gets_a_message() -> None:
     sea = known(3, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER], 2: [Station(9, 1)]})
     frame = FRAMES["set"](Station(GCS, GCS_COMPONENT))
     sea.boat.on_mavlink(frame, sea.now_us, 0)
