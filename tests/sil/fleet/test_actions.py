@@ -153,7 +153,7 @@ def test_an_order_to_the_leader_moves_the_fleet(waters: Waters) -> None:
     assert waters.state(1) == "RTL"
 
 
-def test_go_waits_for_the_place_of_the_boat_that_is_named(waters: Waters) -> None:
+def test_go_waits_until_the_named_boats_position_is_heard(waters: Waters) -> None:
     status, words = waters.command(action="go", way_m=(12.0, -5.0), boats=(1,))
     assert status == 0, words
     assert waters.state(1) == "GUIDED"
@@ -270,7 +270,7 @@ def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
     ]
 
 
-def test_a_boat_of_which_only_acks_arrive_counts_as_stopped(waters: Waters) -> None:
+def test_a_boat_that_is_heard_only_by_its_acks_counts_as_stopped(waters: Waters) -> None:
     """Another boat forwards them, but no HEARTBEAT."""
     answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
     keep_saying(waters, answer.pack(mavlink.MAVLink(None, 9, 1)))

@@ -72,7 +72,7 @@ def test_a_scenarios_gains_lie_over_its_law(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("law_key", ["", 'law = "paper"', 'law = "product"'])
-def test_another_law_takes_the_place_of_the_scenarios_but_for_its_vessels_gains(
+def test_another_law_replaces_the_scenarios_but_keeps_its_vessels_gains(
     tmp_path: Path, law_key: str
 ) -> None:
     kept = {"LAW_KDU": 80.0, "LAW_KDR": 90.0}

@@ -303,7 +303,7 @@ LAW_KX = 0.3
 """
 
 
-def test_a_scenario_over_a_base_is_the_base_but_for_its_own_keys(tmp_path: Path) -> None:
+def test_a_scenario_with_a_base_equals_the_base_except_for_its_own_keys(tmp_path: Path) -> None:
     own, diamond = load(written(tmp_path, OVER_DIAMOND)), load("diamond")
     assert (own.name, own.duration_s) == ("pair", 20)
     assert own.leader.input == diamond.leader.input

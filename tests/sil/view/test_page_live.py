@@ -389,7 +389,7 @@ def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:
     browser.until("return flotilla.plots.charts.error.data.datasets.length === 40")
 
 
-def test_a_vessel_that_is_followed_to_where_no_metre_counts_does_not_stop_the_page(
+def test_following_a_vessel_to_an_extreme_position_does_not_stop_the_page(
     browser: Browser, four: Feeder
 ) -> None:
     shown(browser, four)
