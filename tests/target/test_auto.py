@@ -183,7 +183,7 @@ def test_a_plan_whose_speed_is_above_a_lowered_limit_is_sailed_at_the_limit(
 
 
 def test_after_a_plans_last_place_no_earlier_item_begins() -> None:
-    """A voyage that measures the hull, and then: stop here."""
+    """The plan: a voyage that measures the hull, then a place to stop at."""
     voyage = at(0, 0)._replace(command=31010, params=(0.0, 0.0, 0.0, math.nan))
     here = Item(LOITER, x=0, y=0)
     sea = at_sea([voyage, here])
@@ -393,7 +393,7 @@ def test_the_plan_waits_for_a_boat_that_the_wind_slows_down() -> None:
 
 
 def test_a_boat_with_a_long_look_ahead_comes_back_to_its_plan_from_abeam() -> None:
-    known = {"LAW_CUR_BW": 0.0, "LAW_OBS_BW": 0.0}  # else what pushed it would show it the way
+    known = {"LAW_CUR_BW": 0.0, "LAW_OBS_BW": 0.0}  # otherwise it would learn the push
     sea = sailing([at(40, 0)], {"LAW_XT_DIST": 4.0, **known})
     sea.run(5.0)
     sea.hull.current = (0.0, 1.5)

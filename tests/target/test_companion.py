@@ -177,9 +177,9 @@ def test_an_armed_companion_keeps_its_id(armed_first: bool) -> None:
 
 
 def test_a_companions_leader_is_not_its_autopilot() -> None:
-    """Heard alone, before the own autopilot has started: a boat never takes that name for its own.
+    """The leader is heard before the own autopilot has started: the boat must not take its id.
 
-    It would take the leader's state for its own too, and sail on it.
+    It would also take the leader's state for its own, and sail by it.
     """
     sea = companion()
     sea.own.on = False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat keeps its fence: plans that leave it are refused, and the law stops before it would."""
+"""A boat stays in its fence: plans that leave it are refused, and the law stops before it."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def fenced(
     return sea
 
 
-#: A plan's last item, and how it offends a square of 20 m, half, with a hole at (10, 10).
+#: A plan's last item, and its refusal (or None) by a fence of ±20 m with a hole at (10, 10).
 LEGS = [
     (at(20 - HULL - 0.1, 0), None),
     (at(20 - HULL + 0.1, 0), "too near the fence"),
@@ -198,7 +198,7 @@ def test_auto_is_judged_by_the_way_to_the_item_that_was_chosen_just_now(via: int
 
 
 def test_auto_is_judged_from_where_the_boat_has_sailed_meanwhile() -> None:
-    """In GUIDED to a place from which the plan's first one is behind an isle."""
+    """In GUIDED the boat sails to a place from where an isle blocks the way to the plan."""
     sea = fenced([at(0, -10)], corners(KEEP_OUT, [(2, -3), (2, 3), (8, 3), (8, -3)]))
     for north, east, result in [(0, 10, ACCEPTED), (10, 5, TEMPORARILY_REJECTED)]:
         there = at(north, east)
@@ -316,7 +316,7 @@ def test_a_boat_under_way_refuses_an_item_if_the_way_to_it_leaves_the_fence() ->
 
 
 def test_along_the_fence_the_law_drives_on() -> None:
-    """Two metres beside it, at a speed from which it needs more than that to stop."""
+    """The fence is 2 m abeam; at its speed the boat needs a longer distance to stop."""
     leader = Course(1.0, 0.0, 0.0, 1.0)
     sea = Afloat(hull=Hull([0.0] * 6), leader=leader)
     sea.run(0.5)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Fences and rally points by MAVLink's mission protocol: taken whole or not at all, and kept.
 
-Their protocol is the plans': what test_plans.py asks of a plan is asked here of the other two."""
+They use the protocol of plans: this file tests for them what test_plans.py tests for a plan."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""States whose age is unknown or too great are neither followed nor steered by."""
+"""The law neither follows nor steers by states of unknown or too great age."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat lists its host's logs over MAVLink and gives them away, whole, over any link."""
+"""A boat lists its host's logs over MAVLink and sends them whole over any link."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Others with our system id: noticed, told, and no arming."""
+"""Other senders with our system id: the boat detects and reports them, and does not arm."""
 
 from __future__ import annotations
 

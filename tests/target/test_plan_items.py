@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Items of plans beyond waypoints and waits: circles, home, jumps; and legs that make no way."""
+"""Items of plans beyond waypoints and waits: circles, home, jumps; legs without progress."""
 
 from __future__ import annotations
 
