@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Columns that were smoothed, shifted or repeated are told; a plain log has nothing odd."""
+"""Columns that were smoothed, shifted or repeated are reported; a plain log has nothing odd."""
 
 from dataclasses import replace
 

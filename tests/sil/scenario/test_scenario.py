@@ -319,7 +319,7 @@ def test_units_have_the_boats_settings_except_for_their_own_keys(tmp_path: Path)
     assert own.leader_unit() == Settings(100.0, "global")
     assert own.boat_unit(own.boat[0]) == Settings(100.0, "odometry")
     assert own.boat_unit(own.boat[1]) == Settings(5.0, "odometry")
-    # What the virtual leader says is its own affair, at the rate of all.
+    # The virtual leader has its own kind of message, but the rate of all units.
     slow = load("diamond", ["navigation.message='odometry'", "navigation.rate_hz=20"])
     assert slow.leader_unit() == Settings(20.0, "local")
     late = load("diamond", ["navigation.delay_s=0.2", "boat.2.navigation.timesync=false"])
