@@ -98,7 +98,7 @@ def upload(link: Any, items: list[Any]) -> int:
 
 
 def download(link: Any, count: int) -> list[tuple[Any, ...]]:
-    """What the boat gives back, item by item."""
+    """The plan that the boat returns, item by item."""
     got = []
     for seq in range(count):
         link.mav.mission_request_int_send(BOAT, 1, seq, 0)

@@ -42,7 +42,9 @@ def exposure(unit: Path) -> float:
     return float(said.partition(": ")[2].split()[0])
 
 
-def test_systemd_finds_the_box_closed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_systemd_rates_the_units_exposure_below_the_limit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     closed = exposure(UNIT)
     with capsys.disabled():
         print(f"\nflotillad.service: exposure {closed} (systemd-analyze security)")

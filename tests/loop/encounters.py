@@ -37,10 +37,11 @@ from sil.scenario.wiring import ORIGIN
 from tests.loop.presets import GUARD, LEADER, SHORTEST_M, length_m
 from tests.target.stations import Station, heartbeat
 
-#: Of a boat of SHORTEST_M, the others' as their lengths: to its leader, and between slots with
-#: room to pass, 2.9 of the guard.
+#: Of a boat of SHORTEST_M; in proportion to the length of others: distance to its leader, and
+#: between slots, with room to pass: 2.9 times the guard.
 SLOT_NORTH_M, SPACING_M = -3.0, 4.5
-# Off the slot, of a boat of SHORTEST_M. At rest up to 1.5 LAW_XT_DIST beside its slot a boat stays.
+# Distance from the slot, of a boat of SHORTEST_M. A boat at rest up to 1.5 LAW_XT_DIST abeam of
+# its slot stays there.
 ARRIVED_M, AT_REST_M = 0.2, 0.75
 D11 = LEADER.d11  # kg/s: surge force of the leader over its speed
 TOGETHER = 50
@@ -139,7 +140,7 @@ def boat_at(hull: str, offset: Sequence[float], eta: Sequence[float]) -> str:
 
 
 class Strangers:
-    """Says what the strangers of a batch say, as `sail` watches it; one stranger a run."""
+    """Sends the messages of a batch's strangers at each tick of `sail`; one stranger a run."""
 
     def __init__(self, met: Sequence[Encounter]) -> None:
         self.met = met
@@ -224,7 +225,7 @@ def encounters(hull: str, numbers: Sequence[int], duration_s: float = 90.0) -> l
 
 @dataclass(frozen=True)
 class Crowd:
-    """Fleets of a hull on a grid of slots; boats begin in each other's, or anywhere around."""
+    """Fleets of a hull on a grid of slots; boats begin in each other's slots, or scattered."""
 
     boats: int
     speed_mps: float

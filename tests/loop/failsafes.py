@@ -40,7 +40,7 @@ LEAD = 1
 
 @dataclass(frozen=True)
 class Drawn:
-    """A run: the loss, whom it strikes (0: all), when, and the mode that it ends in."""
+    """A run: the loss, the boat that suffers it (0: all), when, and the mode that it leads to."""
 
     seed: int
     loss: str
@@ -146,7 +146,7 @@ def expected(drawn: Drawn, boat: int) -> set[str]:
 
 
 def judge(drawn: Drawn, run: Run, states: Array, pushed: float) -> Iterator[str]:
-    """What was wrong; nothing if all is well."""
+    """A sentence for each error; none if all is well."""
     eta, t_s = run.trace["eta"][:, 1:, :2], run.trace["t_s"]
     if pushed > 0.0:
         yield f"thrust {pushed:.2f} in a state without"

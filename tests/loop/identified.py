@@ -131,7 +131,7 @@ def sailed(kind: str, unit: str, seed: int) -> Scenario:
 
 
 def body_of(chosen: Scenario) -> Body:
-    """What an owner would measure with a tape."""
+    """The lengths that an owner can measure with a tape."""
     return Body(chosen.propellers.arm_m, chosen.vessel.length_m or _LENGTH_M, SAMPLE_S)
 
 

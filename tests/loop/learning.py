@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What boats learn of their own model while they sail, beside the truth.
+"""Boats learn their own model while they sail: their findings compared with the truth.
 
     python -m tests.loop.learning [--only wrong|right] [--seeds N] [--minutes N]
 
-`wrong`: hulls that are not as the boats are told: how many of the boats tell the number that is
-wrong, after how many minutes, how far the value told at the end is from the truth, what else they
-tell, and the worst RMS distance from the slots in the last third. `right`: the fleets with nothing
-wrong: every finding is a false one. N seeds (20) of N minutes (10) each.
+`wrong`: hulls that differ from the boats' parameters in one number: how many boats report that
+number, after how many minutes, the error of the last value reported, reports of other numbers,
+and the worst RMS distance from the slots in the last third. `right`: fleets with correct
+parameters, where every report is false. N seeds (20) of N minutes (10) each.
 """
 
 import argparse
@@ -61,7 +61,7 @@ class Told:
 
 @dataclass
 class Learnt:
-    """What the boats of one run told: texts, last values; where they were."""
+    """The reports of the boats of one run: texts and last values; and how well they sailed."""
 
     texts: dict[int, list[Told]] = field(default_factory=dict)
     values: dict[tuple[int, str], float] = field(default_factory=dict)
@@ -81,7 +81,7 @@ class Wrong:
 
 
 def weak(fleet: str, port: float, stbd: float) -> Wrong:
-    """Propellers that give these shares of what they are told to have."""
+    """Propellers that give these shares of the thrust in their parameters."""
     given = 0.5 * (port + stbd)
     own = scenario.load(*_file(fleet)).propellers
     changes = (
@@ -187,7 +187,7 @@ class Row:
 
 
 def judged(case: Wrong, runs: Sequence[Learnt]) -> Row:
-    """What the runs show of a case."""
+    """The figures of a case from its runs."""
     count = boats(case.fleet) * len(runs)
     every = [texts for run in runs for texts in run.texts.values()]
     first = [

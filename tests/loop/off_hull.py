@@ -4,8 +4,8 @@
     python -m tests.loop.off_hull [HULL…] [--weather]
 
 Four of each hull in sil/hulls in a diamond behind an S-curve at its cruise, as in
-`tests.loop.presets`. Of the boats' hulls one number, then all six, are half or twice as great as
-the firmware's parameters say, a drag with its quadratic part: d11 with d11_quadratic, d22 with
+`tests.loop.presets`. One number of the boats' hulls, then all six, are half or twice as great as
+in the firmware's parameters; a drag with its quadratic part: d11 with d11_quadratic, d22 with
 crossflow_cd, d33 with d33_quadratic and d33_speed. Gains are derived, all else is the firmware's
 default. `--weather`: in the wind, current and noise of `tests.loop.presets`.
 """
@@ -31,12 +31,12 @@ GROUPS = {
 ALL = "all six"
 CASES = tuple((number, factor) for number in (*GROUPS, ALL) for factor in FACTORS)
 
-#: Of each hull the worst, or near it: what every run of the tests sails.
+#: The worst cases of each hull, or nearly: every run of the tests sails them.
 SHORT = (("m11", 0.5), ("m11", 2.0), (ALL, 0.5), (ALL, 2.0))
 
 
 def fleet(name: str, number: str, factor: float, more: tuple[str, ...] = ()) -> Scenario:
-    """Four boats of a hull, a number of which (or `ALL`) is times `factor`."""
+    """Four boats of a hull with one number (or `ALL`) multiplied by `factor`."""
     vessel = presets.load(name).vessel
     keys = [key for group in (GROUPS if number == ALL else (number,)) for key in GROUPS[group]]
     changes = [

@@ -30,7 +30,7 @@ def test_a_fleet_of_any_hull_comes_from_its_jetty_to_its_slots_and_no_two_boats_
     assert max(each.arrived_s for each in found) < 400.0, found
 
 
-def test_boats_that_begin_in_line_far_behind_their_leaders_slots_come_there() -> None:
+def test_boats_in_line_reach_their_slots_though_each_leader_is_far_from_its_own() -> None:
     """Each is in its slot behind the boat ahead, which is itself far from its own."""
     starts = [boat.eta for boat in scenario.load("sea").boat]
     fleets = [

@@ -40,7 +40,7 @@ def test_impossible_fleet_is_not_sailed(sail: Sail, how: str, why: str) -> None:
     assert why in str(told.value)
 
 
-def test_of_two_boats_that_learn_that_their_slot_is_one_the_higher_id_holds(sail: Sail) -> None:
+def test_of_two_boats_with_the_same_slot_the_one_with_the_higher_id_holds(sail: Sail) -> None:
     run = sail("diamond", *PRODUCT, "boat.4.offset_m=[-4, 0]")  # boat 2's, seen from the root
     assert ["HOLD" in states for states in run.states] == [False, False, False, True]
     assert run.states[3]["FORMATION"] < 2.5

@@ -14,7 +14,7 @@ from sil.lockstep.world import Run, sail
 from sil.results.claims import CLAIMS, PRODUCT, Bound
 from sil.scenario import scenario
 
-# the share by which a figure differs that is as good; m: the reference tells a millimetre
+# share within which a figure counts as equal; m: resolution of the reference is 1 mm
 SHARE, WIRE_M = 1e-3, 2e-4
 SEEDS = 40
 FIGURES = {

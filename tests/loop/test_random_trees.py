@@ -36,7 +36,7 @@ def test_the_certificate_passes_most_random_trees_and_they_end_in_their_slots(
     assert in_slots(passed, ends(drawn)) >= WANTED
 
 
-def test_the_certificate_passes_no_tree_that_does_not_steer_by_the_reference_and_is_deep(
+def test_the_certificate_passes_no_deep_tree_that_does_not_steer_by_the_reference(
     tmp_path: Path,
 ) -> None:
     assert certified({0: without_reference(draw(1, tmp_path))}) == set()

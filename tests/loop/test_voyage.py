@@ -48,7 +48,7 @@ Meddle = Callable[[Batch, int, float, int], None]
 
 @dataclass
 class Sailed:
-    """What a boat told (time s, text), its states and commands at every tick, its places."""
+    """A boat's texts with their times (s), its states and commands at every tick, its positions."""
 
     texts: list[tuple[float, str]] = field(default_factory=list)
     reached: list[int] = field(default_factory=list)

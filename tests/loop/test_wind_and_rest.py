@@ -26,7 +26,7 @@ def test_boats_abeam_of_a_resting_leader_form_up_and_lie_still(sail: Sail) -> No
 
 
 @pytest.mark.parametrize("current_mps", [[0.0, 0.1], [0.1, 0.0], [-0.1, -0.1]])
-def test_beside_a_resting_leader_a_current_is_not_chased_in_circles(
+def test_boats_beside_a_resting_leader_do_not_circle_in_a_current(
     sail: Sail, current_mps: list[float]
 ) -> None:
     trace = sail("resting_leader", "duration_s=200", f"water.current_mps={current_mps}").trace

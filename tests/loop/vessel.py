@@ -138,7 +138,7 @@ class Vessel:
         """One control tick of the firmware and all that is wired to it.
 
         eta = [x y psi] and nu = [u v r] as the sensors have them, rpm of the port and starboard
-        shaft. What the ESCs then tell their motors, in [-1, 1]: port, starboard.
+        shaft. Returns the ESCs' commands to their motors, in [-1, 1]: port, starboard.
         """
         now_us = self._clock.at(t_us)
         data = self._unit.tick(now_us, eta, nu)

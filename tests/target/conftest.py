@@ -19,8 +19,8 @@ def sea() -> Sea:
 @pytest.fixture(scope="session")
 def voyage() -> Sea:
     """Ten minutes that contain every message of a boat, on two links."""
-    # This truth does not answer to thrust: an observer would learn what is not there, and a boat
-    # that is not in its slot would find that it does not answer.
+    # The true motion ignores thrust: an observer would learn forces that do not exist, and a boat
+    # out of its slot would report that it does not answer to its propellers.
     sea = Sea(
         {"CTL_RATE": 50, "LAW_OBS_BW": 0.0, "LAW_CUR_BW": 0.0},
         links=2,

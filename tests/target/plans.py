@@ -53,7 +53,7 @@ class Item(NamedTuple):
 
 
 def at(north_m: float, east_m: float, hold_s: float = 0.0, radius_m: float = 0.0) -> Item:
-    """A waypoint so far from the origin."""
+    """A waypoint at this distance from the origin."""
     east = DEGREES_E7_M * math.cos(math.radians(ORIGIN[0] * 1e-7))
     return Item(
         params=(hold_s, radius_m, 0.0, math.nan),
@@ -104,8 +104,8 @@ def fields(message: Any) -> tuple[bytes, ...]:
 class Planner:
     """A ground station that sends a plan, or fetches it, over a link that loses messages.
 
-    By the guide: it asks for what has not come within 1.5 s up to five times; an item that the boat
-    does not hear is the boat's to ask for again. It fetches with more patience than the guide's.
+    By the guide: it repeats a request up to five times, each after 1.5 s without an answer; if the
+    boat misses an item, the boat must request it again. It fetches with more tries than the guide.
     """
 
     PATIENCE_US, TRIES, FETCHES = 1_500_000, 5, 20
@@ -125,7 +125,7 @@ class Planner:
             self.sea.boat.on_mavlink(wire, self.sea.now_us)
 
     def hear(self, tick: Tick) -> list[Any]:
-        """What has reached this station of the boat's mission protocol."""
+        """The boat's messages of the mission protocol that have reached this station."""
         return [
             m
             for m in tick.messages()

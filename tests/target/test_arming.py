@@ -42,7 +42,7 @@ CHECKS = pytest.mark.parametrize("check", ["one ESC", "both ESCs", "ESC health"]
 
 @CHECKS
 @pytest.mark.parametrize("force", [math.nan, 0.0, float(FORCE)], ids=["nan", "checked", "forced"])
-def test_nothing_arms_a_boat_while_a_check_fails_and_it_says_which(
+def test_while_a_check_fails_no_command_arms_a_boat_and_the_check_is_named(
     sea: Sea, check: str, force: float
 ) -> None:
     fail(sea, check)

@@ -183,7 +183,7 @@ def test_a_plan_whose_speed_is_above_a_lowered_limit_is_sailed_at_the_limit(
 
 
 def test_after_a_plans_last_place_no_earlier_item_begins() -> None:
-    """A voyage that measures the hull, and then: stop here."""
+    """The plan: a voyage that measures the hull, then a place to stop at."""
     voyage = at(0, 0)._replace(command=31010, params=(0.0, 0.0, 0.0, math.nan))
     here = Item(LOITER, x=0, y=0)
     sea = at_sea([voyage, here])
@@ -254,7 +254,7 @@ def test_an_order_to_go_on_ends_a_pause(order: tuple[int, float]) -> None:
 
 
 @pytest.mark.nightly
-def test_a_plan_that_begins_far_from_its_first_place_is_read_on_as_the_boat_sails() -> None:
+def test_a_plan_begun_far_from_its_first_waypoint_is_read_ahead_as_the_boat_sails() -> None:
     near = [at(6.0 * k, 1400.0 + 4.0 * (k % 2)) for k in range(1, 15)]
     plan = [at(0, 0), *near, at(-1390, -400), at(-1390, -1400)]
     sea = Afloat({"FS_SEP_M": 0.0}, hull=Hull([0.0, 1400.0, 0.0, 0.0, 0.0, 0.0]))
@@ -393,7 +393,7 @@ def test_the_plan_waits_for_a_boat_that_the_wind_slows_down() -> None:
 
 
 def test_a_boat_with_a_long_look_ahead_comes_back_to_its_plan_from_abeam() -> None:
-    known = {"LAW_CUR_BW": 0.0, "LAW_OBS_BW": 0.0}  # else what pushed it would show it the way
+    known = {"LAW_CUR_BW": 0.0, "LAW_OBS_BW": 0.0}  # otherwise it would learn the push
     sea = sailing([at(40, 0)], {"LAW_XT_DIST": 4.0, **known})
     sea.run(5.0)
     sea.hull.current = (0.0, 1.5)
@@ -431,7 +431,7 @@ def test_a_boat_changes_between_auto_and_formation(plan_first: bool) -> None:
         assert sea.state == ("AUTO" if mode == AUTO else "FORMATION")
 
 
-def test_sticks_end_auto_only_when_they_are_asked_to() -> None:
+def test_sticks_alone_do_not_end_auto() -> None:
     sea = sailing(CORNER)
     for _ in range(20):
         sea.say(mavlink.MAVLink_manual_control_message(BOAT, 500, 0, 500, 0, 0))

@@ -29,7 +29,7 @@ def test_clock_that_stands_still_does_no_harm() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_time_that_stands_still_for_as_long_as_a_state_may_be_old_stops_the_boat() -> None:
+def test_a_clock_that_stands_still_for_the_maximum_age_of_a_state_stops_the_boat() -> None:
     sea = at_sea()
     now_us = sea.ticks[-1].now_us
     for _ in range(52):

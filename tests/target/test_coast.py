@@ -19,7 +19,9 @@ def greatest(commands: tuple[int, ...]) -> int:
 
 @pytest.mark.parametrize("coast_s", [0.5, 2.0, 5.0])
 @pytest.mark.parametrize("rate", [50, 333])
-def test_a_silent_leader_is_followed_for_a_while_and_no_harder(coast_s: float, rate: int) -> None:
+def test_a_silent_leader_is_followed_for_fs_coast_s_with_thrust_that_never_grows(
+    coast_s: float, rate: int
+) -> None:
     sea = at_sea({"FS_LEADER_S": 0.5, "FS_COAST_S": coast_s, "CTL_RATE": rate})
     last_us = sea.silence("leader")
     sea.run_until("COAST", 0.6)
@@ -52,7 +54,7 @@ def test_a_failsafe_choice_changed_before_arming_is_in_force(before: str, now: s
     assert sea.state == now
 
 
-def test_coast_is_follow_to_clients_and_critical() -> None:
+def test_clients_see_coast_as_follow_with_status_critical() -> None:
     sea = at_sea()
     sea.silence("leader")
     sea.run_until("COAST", 1.1)
@@ -110,7 +112,9 @@ def test_coast_ends_at_once_when_a_condition_is_lost(lost: str, state: str) -> N
 
 
 @pytest.mark.parametrize("held", [True, False])
-def test_the_operator_may_choose_manual_where_he_holds_the_sticks(held: bool) -> None:
+def test_after_a_lost_leader_manual_is_entered_only_if_the_operator_holds_the_sticks(
+    held: bool,
+) -> None:
     sea = at_sea({"FS_LEADER_ACT": 2.0})
     sea.leader.on = False
     for _ in range(150):

@@ -29,7 +29,7 @@ INBOX = 24  # commands and requests kept between two ticks
 
 
 @pytest.mark.parametrize("sender", [(GCS, GCS_COMPONENT), (245, 190), (9, 1), (LEADER, 1)])
-def test_an_order_gets_exactly_one_ack_and_its_asker_is_named(
+def test_a_command_gets_exactly_one_ack_that_names_its_sender(
     sea: Sea, sender: tuple[int, int]
 ) -> None:
     sea.settle()
@@ -45,7 +45,7 @@ def test_an_order_gets_exactly_one_ack_and_its_asker_is_named(
 @pytest.mark.parametrize(
     "command", [0, 1, 16, 17, 21, 22, 179, 183, 246, 513, 521, 611, 31010, 65535]
 )
-def test_an_order_that_a_boat_does_not_know_is_unsupported(sea: Sea, command: int) -> None:
+def test_an_unknown_command_is_answered_as_unsupported(sea: Sea, command: int) -> None:
     sea.settle()
     assert acks(sea.order(command)) == [(command, UNSUPPORTED)]
     assert sea.state == "DISARMED"
@@ -63,7 +63,7 @@ def test_an_order_that_makes_no_sense_is_denied(sea: Sea, command: int, value: f
 @pytest.mark.parametrize(
     "target", [(3, 1), (BOAT, 2), (0, 2), (BOAT, NAVIGATION), (GCS, 1), (LEADER, 1)]
 )
-def test_an_order_to_somebody_else_is_neither_obeyed_nor_answered(
+def test_a_command_to_another_system_or_component_is_neither_obeyed_nor_answered(
     sea: Sea, target: tuple[int, int]
 ) -> None:
     sea.settle()
@@ -80,7 +80,9 @@ def test_commands_to_another_boat_never_stop_or_start_this_one() -> None:
 
 
 @pytest.mark.parametrize("target", [(0, 0), (BOAT, 0), (0, 1), (BOAT, 1)])
-def test_an_order_to_all_is_an_order_to_the_boat(sea: Sea, target: tuple[int, int]) -> None:
+def test_a_broadcast_command_is_obeyed_like_one_to_the_boat(
+    sea: Sea, target: tuple[int, int]
+) -> None:
     sea.settle()
     assert acks(sea.order(ARM, 1.0, target=target)) == [(ARM, ACCEPTED)]
     assert sea.state == "HOLD"

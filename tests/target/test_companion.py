@@ -74,7 +74,7 @@ def address(sea: Sea) -> tuple[int, int]:
     return header.srcSystem, header.srcComponent
 
 
-def test_a_companion_beats_as_a_companion() -> None:
+def test_a_companions_heartbeat_has_the_type_of_a_companion() -> None:
     sea = companion()
     heard = named(sea.run(5.0), "HEARTBEAT")
     assert len(heard) in (5, 6)
@@ -111,7 +111,7 @@ def test_a_companion_takes_the_id_of_neither_of_two_autopilots() -> None:
     assert address(sea) == (BOAT, COMPANION)
 
 
-def test_the_first_autopilot_again_after_another_one_is_no_second_chance() -> None:
+def test_a_companion_that_heard_two_autopilots_keeps_its_id_when_it_hears_one_again() -> None:
     sea = companion()
     for system in (AUTOPILOT, AUTOPILOT + 1, AUTOPILOT, AUTOPILOT):
         sea.say(beat(), sender=Station(system, 1))
@@ -177,9 +177,9 @@ def test_an_armed_companion_keeps_its_id(armed_first: bool) -> None:
 
 
 def test_a_companions_leader_is_not_its_autopilot() -> None:
-    """Heard alone, before the own autopilot has started: a boat never takes that name for its own.
+    """The leader is heard before the own autopilot has started: the boat must not take its id.
 
-    It would take the leader's state for its own too, and sail on it.
+    It would also take the leader's state for its own, and sail by it.
     """
     sea = companion()
     sea.own.on = False
@@ -339,7 +339,9 @@ def test_the_old_message_for_hold_stops_a_companion() -> None:
 
 
 @pytest.mark.parametrize("target", [(AUTOPILOT, 0), (0, 0)])
-def test_the_mission_of_the_whole_system_is_the_autopilots(target: tuple[int, int]) -> None:
+def test_a_companion_leaves_missions_for_the_whole_system_to_the_autopilot(
+    target: tuple[int, int],
+) -> None:
     """A companion's "none" or "cleared" would be taken for the autopilot's answer."""
     sea = latched()
     sea.say(

@@ -39,7 +39,7 @@ def sea() -> Sea:
 
 
 def say(sea: Sea, message: Any) -> bytes:
-    """Say it to the boat directly; the frame."""
+    """Send a message to the boat directly; returns its frame."""
     wire = sea.gcs.pack(message)
     sea.boat.on_mavlink(wire, sea.now_us, 0)
     return wire

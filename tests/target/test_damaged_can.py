@@ -75,7 +75,7 @@ def test_damaged_reference_sequences_deliver_as_specified(sea: Sea, vector: dict
     assert sea.condition("escs_online") == (vector["transfers_delivered"] > 0)
 
 
-def test_the_whole_reference_is_survived(sea: Sea) -> None:
+def test_all_frames_of_the_reference_leave_a_boat_disarmed(sea: Sea) -> None:
     for kind in ("captured", "generated", "damaged"):
         for vector in reference(kind):
             for text in vector["frames"]:  # either DATA or ID#DATA

@@ -66,7 +66,7 @@ def test_an_esc_whose_node_is_not_healthy_is_not_online(sea: Sea, health: int, w
     assert sea.condition("escs_online")
 
 
-def test_an_esc_that_becomes_ill_under_way_is_a_fault() -> None:
+def test_an_esc_that_becomes_unhealthy_under_way_causes_a_fault() -> None:
     sea = at_sea()
     sea.escs[0].health = 2
     sea.run(1.1)

@@ -71,7 +71,9 @@ NEEDED = {
 
 
 @pytest.mark.parametrize("orders", range(8))
-def test_no_order_of_silences_and_commands_ever_moves_an_unfit_boat(orders: int) -> None:
+def test_no_sequence_of_silences_and_commands_moves_a_boat_with_unmet_conditions(
+    orders: int,
+) -> None:
     """Random commands and silences: only the law turns propellers, while all conditions are met."""
     rng = random.Random(orders)
     sea = Sea(leader=TURN)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat keeps its fence: plans that leave it are refused, and the law stops before it would."""
+"""A boat stays in its fence: plans that leave it are refused, and the law stops before it."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def fenced(
     return sea
 
 
-#: A plan's last item, and how it offends a square of 20 m, half, with a hole at (10, 10).
+#: A plan's last item, and its refusal (or None) by a fence of ±20 m with a hole at (10, 10).
 LEGS = [
     (at(20 - HULL - 0.1, 0), None),
     (at(20 - HULL + 0.1, 0), "too near the fence"),
@@ -198,7 +198,7 @@ def test_auto_is_judged_by_the_way_to_the_item_that_was_chosen_just_now(via: int
 
 
 def test_auto_is_judged_from_where_the_boat_has_sailed_meanwhile() -> None:
-    """In GUIDED to a place from which the plan's first one is behind an isle."""
+    """In GUIDED the boat sails to a place from where an isle blocks the way to the plan."""
     sea = fenced([at(0, -10)], corners(KEEP_OUT, [(2, -3), (2, 3), (8, 3), (8, -3)]))
     for north, east, result in [(0, 10, ACCEPTED), (10, 5, TEMPORARILY_REJECTED)]:
         there = at(north, east)
@@ -235,7 +235,7 @@ FENCES = {
 @pytest.mark.parametrize("speed", [0.4, 1.0])
 @pytest.mark.parametrize("bearing", [0.3, 2.0])
 @pytest.mark.parametrize("shape", FENCES)
-def test_behind_a_leader_that_leaves_the_fence_the_boat_stops_before_it(
+def test_a_boat_whose_leader_leaves_the_fence_stops_inside_it(
     shape: str, bearing: float, speed: float, scalar: str
 ) -> None:
     fence, beyond = FENCES[shape]
@@ -275,7 +275,7 @@ def test_at_the_fence_the_boat_waits_or_turns_back_and_never_leaves_it(
     assert place(sea) == pytest.approx(home, abs=0.1)
 
 
-def test_a_target_and_the_way_home_keep_the_fence() -> None:
+def test_a_target_behind_a_fence_is_refused_and_rtl_goes_round_it() -> None:
     """A wall between the boat and its home: it sails round rather than through it."""
     sea = at_sea([])
     away = at(20, 0)
@@ -302,7 +302,7 @@ def test_a_target_and_the_way_home_keep_the_fence() -> None:
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
 
 
-def test_under_way_a_boat_goes_on_to_no_item_to_which_the_way_leaves_the_fence() -> None:
+def test_a_boat_under_way_refuses_an_item_if_the_way_to_it_leaves_the_fence() -> None:
     plan = [at(10, 0), at(10, 20), at(-10, 20)]
     sea = fenced(plan, corners(KEEP_OUT, [(-5, 5), (-5, 15), (5, 15), (5, 5)]))
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
@@ -316,7 +316,7 @@ def test_under_way_a_boat_goes_on_to_no_item_to_which_the_way_leaves_the_fence()
 
 
 def test_along_the_fence_the_law_drives_on() -> None:
-    """Two metres beside it, at a speed from which it needs more than that to stop."""
+    """The fence is 2 m abeam; at its speed the boat needs a longer distance to stop."""
     leader = Course(1.0, 0.0, 0.0, 1.0)
     sea = Afloat(hull=Hull([0.0] * 6), leader=leader)
     sea.run(0.5)
@@ -385,7 +385,7 @@ def test_the_fence_is_switched_on_and_off(params: tuple[float, ...], result: int
     assert status(sea) == (True, on, not on)
 
 
-def test_a_place_that_is_lost_counts_as_outside() -> None:
+def test_a_boat_that_loses_its_position_counts_as_outside_the_fence() -> None:
     sea = sailing([at(15, 0)])
     sea.mode(4)
     send(sea, FENCE, [*box(0, 0, 60), *box(0, 0, 70, KEEP_IN)])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Fences and rally points by MAVLink's mission protocol: taken whole or not at all, and kept.
 
-Their protocol is the plans': what test_plans.py asks of a plan is asked here of the other two."""
+They use the protocol of plans: this file tests for them what test_plans.py tests for a plan."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_an_uploaded_list_comes_back_bit_for_bit_and_the_plan_stays(still: Sea, 
 
 @KINDS
 @pytest.mark.parametrize("loss", [0.0, 0.25])
-def test_the_longest_arrive_though_a_quarter_of_the_messages_are_lost(
+def test_the_longest_lists_arrive_though_a_quarter_of_the_messages_are_lost(
     still: Sea, kind: int, loss: float
 ) -> None:
     dice = random.Random(3)
@@ -103,7 +103,7 @@ def test_the_longest_arrive_though_a_quarter_of_the_messages_are_lost(
 
 
 @KINDS
-def test_too_many_are_refused_and_the_old_ones_stay(still: Sea, kind: int) -> None:
+def test_a_list_with_too_many_items_is_refused_and_the_old_one_stays(still: Sea, kind: int) -> None:
     send(still, kind, KEPT[kind])
     assert Planner(still, kind=kind).send([], count=MOST[kind] + 1) == NO_SPACE
     assert plan_of(still, kind) == as_sent(KEPT[kind])
@@ -111,7 +111,7 @@ def test_too_many_are_refused_and_the_old_ones_stay(still: Sea, kind: int) -> No
 
 
 @KINDS
-def test_the_old_ones_stay_until_the_last_item(still: Sea, kind: int) -> None:
+def test_the_old_list_stays_until_the_last_item_of_the_new_one(still: Sea, kind: int) -> None:
     send(still, kind, OTHER[kind])
     items = KEPT[kind]
     still.say(mavlink.MAVLink_mission_count_message(BOAT, 1, len(items), kind))
@@ -144,7 +144,7 @@ def test_the_opaque_id_is_the_same_everywhere_and_new_with_the_content(
 
 @KINDS
 @pytest.mark.parametrize("way", ["count", "clear", "all"])
-def test_they_are_cleared(still: Sea, kind: int, way: str) -> None:
+def test_fences_and_rally_points_are_cleared(still: Sea, kind: int, way: str) -> None:
     for one in (PLAN, FENCE, RALLY):
         send(still, one, KEPT.get(one, [at(5, 5)]))
     if way == "count":
@@ -363,7 +363,7 @@ def test_rally_points_come_in_every_global_frame(still: Sea, frame: int) -> None
 
 
 @KINDS
-def test_while_the_law_drives_they_are_not_changed(kind: int) -> None:
+def test_fences_and_rally_points_are_not_changed_while_the_law_drives(kind: int) -> None:
     sea = Afloat()
     sea.settle()
     send(sea, kind, KEPT[kind])

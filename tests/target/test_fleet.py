@@ -47,7 +47,7 @@ def test_boats_whose_clocks_drift_hours_apart_sail_as_they_do_one_by_one(
 @pytest.mark.parametrize("message", ["local", "odometry", "global", "follow_target"])
 @pytest.mark.parametrize("attitude_rate_hz", [0.0, 33.0])
 @pytest.mark.parametrize("origin", [None, LAKE])
-def test_every_message_that_tells_a_state_is_sent_as_by_one_unit(
+def test_every_kind_of_state_message_is_sent_as_by_a_single_unit(
     message: str, attitude_rate_hz: float, origin: Any
 ) -> None:
     twins = Twins()
@@ -61,7 +61,7 @@ def test_every_message_that_tells_a_state_is_sent_as_by_one_unit(
 
 @pytest.mark.parametrize("message", ["local", "global"])
 @pytest.mark.parametrize("clock", [(0, 0.0), (3_600_000_000, -333.3)])
-def test_units_that_are_late_deaf_to_timesync_or_drop_out_are_so_one_by_one(
+def test_late_deaf_and_dropping_units_act_in_a_fleet_as_one_by_one(
     message: str, clock: tuple[int, float]
 ) -> None:
     twins = Twins()

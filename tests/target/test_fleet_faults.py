@@ -28,7 +28,7 @@ def positions(records: Any, agent: int, link: int = NAVIGATION) -> list[Any]:
 # -- the navigation unit
 
 
-def test_a_silent_unit_says_nothing_and_takes_up_again() -> None:
+def test_a_silent_unit_sends_nothing_and_resumes_afterwards() -> None:
     sea = Troubled()
     sea.fail(1, "own_silent")
     assert heard(sea.sail(100), 1, NAVIGATION) == []
@@ -48,7 +48,7 @@ def test_a_frozen_unit_repeats_its_state_with_new_stamps() -> None:
 
 
 @pytest.mark.parametrize("metres", [5.0, -30.0])
-def test_a_unit_that_jumps_is_so_far_north(metres: float) -> None:
+def test_a_unit_that_jumps_reports_a_position_that_far_north(metres: float) -> None:
     well, ill = Troubled(), Troubled()
     ill.fail(1, "own_jump", value=metres)
     (true, *_), (told, *_) = (positions(sea.sail(1), 1) for sea in (well, ill))
@@ -56,7 +56,7 @@ def test_a_unit_that_jumps_is_so_far_north(metres: float) -> None:
 
 
 @pytest.mark.parametrize("metres", [100.0, -100.0])
-def test_a_unit_that_tells_degrees_jumps_as_far(metres: float) -> None:
+def test_a_unit_that_reports_degrees_jumps_by_the_same_distance(metres: float) -> None:
     def latitude(by: float) -> int:
         fleet = flotilla.Fleet(record=True)
         fleet.add_leader(0, 100, (100.0, "global", 0.0), (0, 0.0))
@@ -72,7 +72,7 @@ def test_a_unit_that_tells_degrees_jumps_as_far(metres: float) -> None:
 
 
 @pytest.mark.parametrize("ahead_s", [HOUR_S, -HOUR_S])
-def test_a_units_clock_is_another_than_the_vessels(ahead_s: float) -> None:
+def test_a_fault_of_a_units_clock_shifts_its_time_stamps_alone(ahead_s: float) -> None:
     well, ill = Troubled(LONG_AGO), Troubled(LONG_AGO)
     ill.fail(1, "own_clock", value=ahead_s)
     (true, *_), (told, *_) = (positions(sea.sail(1), 1) for sea in (well, ill))
@@ -105,7 +105,7 @@ def test_a_second_unit_with_a_lower_component_is_ignored() -> None:
     assert sea.state(1) == "FORMATION" and sea.commands.tolist() == well.commands.tolist()
 
 
-def test_a_pilots_receiver_tells_switch_and_throttle_and_rests_afterwards() -> None:
+def test_a_pilots_receiver_reports_switch_and_throttle_and_neutral_afterwards() -> None:
     sea = Troubled()
     sea.fail(1, "pilot", value=-0.5)
     (told, *_) = messages(heard(sea.sail(20), 1, NAVIGATION), "RC_CHANNELS")
@@ -164,7 +164,7 @@ def rpms(records: Any) -> list[int]:
     return [t.payload.rpm for t in status[:2]]
 
 
-def test_an_esc_that_reboots_was_off_and_needs_a_zero_again() -> None:
+def test_an_esc_that_reboots_is_silent_and_needs_a_zero_before_it_turns() -> None:
     sea = Troubled()
     sea.fail(1, "esc_reboot", esc="port")
     records = sea.sail(50)
@@ -180,7 +180,7 @@ def test_an_esc_that_reboots_was_off_and_needs_a_zero_again() -> None:
 
 
 @pytest.mark.parametrize("volts", [20.0, 0.0, 25.5])
-def test_an_esc_says_another_voltage(volts: float) -> None:
+def test_a_fault_changes_the_voltage_that_one_esc_reports(volts: float) -> None:
     sea = Troubled()
     sea.fail(1, "esc_voltage", value=volts, esc="stbd")
     told = transfers(of_type(frames(sea.sail(50), 1, to_boat=True), ESC_STATUS))
@@ -244,7 +244,7 @@ def test_a_silent_radio_neither_sends_nor_hears() -> None:
     assert sea.state(1) != "DISARMED"
 
 
-def test_a_silent_leader_is_silent_to_its_followers_only() -> None:
+def test_followers_of_a_leader_with_a_silent_radio_still_hear_each_other() -> None:
     sea = Troubled()
     sea.fail(0, "radio_silent")
     records = sea.sail(50)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tables of a fleet that stop a boat, and senders whom it does not believe."""
+"""Fleet tables that stop a boat, and senders that it does not trust."""
 
 import pytest
 

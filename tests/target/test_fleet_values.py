@@ -67,7 +67,7 @@ def test_sensed_values_may_be_read_only_arrays() -> None:
     fleet(GLOBAL).tick(0, **told)
 
 
-def test_a_unit_that_tells_degrees_needs_them() -> None:
+def test_a_unit_that_reports_degrees_requires_the_degE7_argument() -> None:
     with pytest.raises(ValueError, match=r"degE7: an int32 array of shape \(3, 2\)"):
         fleet(GLOBAL).tick(0, **{**arrays(), "degE7": None})
 
@@ -106,7 +106,7 @@ BAD_CALLS = [
 
 
 @pytest.mark.parametrize(("method", "arguments", "text"), BAD_CALLS)
-def test_a_value_that_cannot_be_is_refused(method: str, arguments: Any, text: str) -> None:
+def test_an_impossible_value_is_refused(method: str, arguments: Any, text: str) -> None:
     made = fleet(record=True)
     with pytest.raises(ValueError, match=text):
         getattr(made, method)(*arguments)

@@ -110,7 +110,7 @@ def test_decoding_helpers_do_see_bad_data() -> None:
     assert [m.get_type() for m in decode([bytes(wire)])] == ["BAD_DATA"]
 
 
-def test_stock_pymavlink_knows_all_that_a_boat_says_unasked_but_the_formations_own(
+def test_stock_pymavlink_knows_all_unrequested_messages_but_formation_reference(
     said: list[list[Any]],
 ) -> None:
     """It counts unknown messages as lost."""

@@ -172,7 +172,7 @@ def hash_of(*words: str) -> int:
 
 @pytest.mark.parametrize("size", [1, 80, 110, 239])
 @pytest.mark.parametrize("how", ["reads", "bursts"])
-def test_a_client_takes_as_much_at_once_as_it_likes(client: Client, size: int, how: str) -> None:
+def test_a_file_comes_whole_with_any_read_size(client: Client, size: int, how: str) -> None:
     path = b"/general.json"
     assert getattr(client, f"download_by_{how}")(path, size) == FILES["general.json"]
 
@@ -209,7 +209,7 @@ def test_two_clients_on_two_links_download_at_once() -> None:
     assert two.ask(READ, 50, 20).data == FILES["general.json"][20:70]
 
 
-def test_sequence_numbers_that_begin_anew_are_no_repetition(client: Client) -> None:
+def test_sequence_numbers_that_start_again_are_not_taken_for_repetitions(client: Client) -> None:
     """MAVProxy starts at 0 for each operation."""
     client.open(b"/parameters.json")
     for offset in (0, 50, 700):
@@ -254,7 +254,7 @@ def test_an_answer_is_not_answered(client: Client, opcode: int) -> None:
     assert not client.hear(0.5)
 
 
-def test_reading_behind_the_end_is_the_end(client: Client) -> None:
+def test_a_read_beyond_the_end_of_a_file_is_answered_with_eof(client: Client) -> None:
     size = client.open(b"/general.json")
     for offset in (size, size + 1, 2**32 - 1):
         for opcode in (READ, BURST):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""GUIDED, LOITER and RTL: a boat goes where it is told, waits, and comes home."""
+"""GUIDED, LOITER and RTL: a boat sails to a target, waits, and comes home."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_the_speed_of_a_target_is_kept() -> None:
 def go_here(
     sea: Afloat, to: Item, current: int = 2, frame: int = 6, sender: Station | None = None
 ) -> Tick:
-    """ArduPilot's clients' MISSION_ITEM_INT that is no item of a plan."""
+    """A MISSION_ITEM_INT of ArduPilot's clients that is a target and not an item of a plan."""
     item = to._replace(frame=frame).message(0)
     item.current = current
     sea.say(item, sender=sender)

@@ -51,7 +51,7 @@ def test_a_boat_that_hears_no_ground_station_takes_the_chosen_action(
     assert texts([sea.ticks[-1]]) == [f"{state}: {LOST}"]
 
 
-def test_with_sticks_in_his_hands_the_operator_drives_on() -> None:
+def test_an_operator_with_sticks_keeps_driving_without_a_ground_station() -> None:
     sea = sailing({"FS_GCS_ACT": 2.0})
     sea.on = False
     for _ in range(320):
@@ -109,7 +109,7 @@ def test_heartbeats_of_other_types_are_no_ground_station(kind: int) -> None:
     assert not sea.condition("gcs_heard")
 
 
-def test_where_one_ground_station_commands_only_that_one_counts() -> None:
+def test_with_mav_gcs_sysid_only_that_ground_station_counts() -> None:
     sea = Watched({"MAV_GCS_SYSID": 250.0})
     sea.run(2.0)
     assert not sea.condition("gcs_heard")

@@ -106,7 +106,7 @@ def test_several_step_together_as_each_does_alone(parameters: dict[str, float]) 
     assert len(set(thrusts.ravel().tolist())) == 6
 
 
-def test_rows_that_are_not_as_many_as_the_helms_are_refused() -> None:
+def test_a_number_of_rows_other_than_that_of_the_helms_is_refused() -> None:
     with pytest.raises(ValueError, match="as many rows"):
         flotilla.Helms({}, 3).set_state(np.zeros((2, 22)))
 
@@ -123,7 +123,7 @@ def test_each_number_of_the_state_affects_the_output() -> None:
         assert sail(helm, 2, 3) != shown, k
 
 
-def test_whether_and_which_end_first_it_approaches_is_remembered() -> None:
+def test_a_helm_remembers_whether_it_approaches_and_which_end_first() -> None:
     resting = [0.0] * 9
     wanted = {}
     for way in (0.0, 1.0, -1.0):

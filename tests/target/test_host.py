@@ -23,7 +23,7 @@ REFUSED = 1
         ),
     ],
 )
-def test_a_boat_does_not_arm_while_its_host_reports_a_want(
+def test_a_boat_does_not_arm_while_its_host_reports_a_problem(
     sea: Sea, report: dict[str, bool], condition: str, said: list[str]
 ) -> None:
     sea.settle()
@@ -51,7 +51,7 @@ def test_parameters_that_were_never_saved_do_not_stop_a_boat_under_way() -> None
     assert sea.state == "FORMATION"
 
 
-def test_an_operator_who_asks_to_save_is_answered_and_heard_once(sea: Sea) -> None:
+def test_a_request_to_save_is_acknowledged_and_passed_to_the_host_once(sea: Sea) -> None:
     sea.settle()
     assert sea.boat.take_save_request() == "none"
     assert acks(sea.order(SAVE, 1.0)) == [(SAVE, 0)]

@@ -135,7 +135,7 @@ def test_slot_of_zero_is_for_a_virtual_leader_only(kind: int, north: float) -> N
         assert any("slot is at the leader" in t for t in texts(sea.ticks))
 
 
-def test_boat_that_tells_its_place_in_a_formation_is_a_vessel_too() -> None:
+def test_leader_with_a_place_in_a_formation_is_not_taken_for_a_virtual_one() -> None:
     sea = hold({"FORM_OFS_N": 0.0})
     told(sea, reference(sea, [OTHER]), LEADER)
     assert_refused(sea, TAKEN)
@@ -167,7 +167,7 @@ def test_slot_that_is_taken_under_way_ends_in_hold() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_boat_in_its_slot_makes_no_way_for_one_that_does_not_sail() -> None:
+def test_boat_does_not_yield_its_slot_to_a_boat_that_does_not_sail() -> None:
     sea = hold()
     sea.mode(FORMATION)
     told(sea, reference(sea, [LEADER], (-4.0, 0.0), sails=False), OTHER)

@@ -67,7 +67,9 @@ def test_a_disarm_waits_no_longer_behind_many_incomplete_frames(beginning: str) 
 
 @pytest.mark.parametrize("every", [1, 3, 10, 29, 31])
 @EACH
-def test_beginnings_that_go_on_coming_do_not_hold_a_disarm_back(beginning: str, every: int) -> None:
+def test_a_stream_of_incomplete_frames_does_not_hold_back_a_disarm(
+    beginning: str, every: int
+) -> None:
     """A radio that loses the end of every message, or an attacker who sends only beginnings."""
     sea = Sea(leader=TURN)
     sea.enter_formation()
@@ -87,7 +89,7 @@ def test_beginnings_that_go_on_coming_do_not_hold_a_disarm_back(beginning: str, 
 
 
 @pytest.mark.parametrize("chunk_s", [0.05, 0.1, 0.29])
-def test_each_beginning_is_waited_for_since_it_came_not_since_its_turn(chunk_s: float) -> None:
+def test_the_timeout_of_each_incomplete_frame_starts_when_the_frame_arrives(chunk_s: float) -> None:
     """26 of them fill one long message; each new one ends another and starts no new timeout."""
     sea = Sea(leader=TURN)
     sea.enter_formation()

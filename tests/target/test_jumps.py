@@ -167,7 +167,7 @@ def teleport(sea: Afloat, north_m: float) -> None:
 
 
 @pytest.mark.parametrize("far_m", [60.0, 2000.0])
-def test_a_leader_that_jumps_for_good_is_followed_when_that_is_asked_for_anew(far_m: float) -> None:
+def test_a_leader_that_jumps_and_stays_there_is_followed_after_a_new_request(far_m: float) -> None:
     sea = Afloat({"FORM_DIST_MAX": 100.0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
     sea.enter_formation()
     sea.run(8.0)

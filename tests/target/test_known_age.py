@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""States whose age is unknown or too great are neither followed nor steered by."""
+"""The law neither follows nor steers by states of unknown or too great age."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def asked_for_formation(sea: Sea, agent: Agent, late_s: float) -> list[str]:
 
 
 @pytest.mark.parametrize("late_s", [1.0, 2.4, 3.0, 10.0, 15.0])
-def test_a_leader_that_was_late_from_its_start_and_answers_is_as_old_as_it_is(
+def test_the_age_of_a_leader_that_is_late_from_its_start_is_known_from_its_answers(
     late_s: float,
 ) -> None:
     sea = prompt_sea()
@@ -101,7 +101,7 @@ class OtherClock(Agent):
 
 
 @pytest.mark.parametrize("ahead_s", [1.7e9, 50.0, -0.5, -9.0])
-def test_answers_that_contradict_the_stamps_tell_no_age(ahead_s: float) -> None:
+def test_a_leader_whose_answers_contradict_its_stamps_has_an_unknown_age(ahead_s: float) -> None:
     sea = prompt_sea()
     sea.leader.__class__ = OtherClock
     sea.leader.ahead_us = round(1e6 * ahead_s)  # type: ignore[attr-defined]
@@ -124,7 +124,7 @@ def test_a_latency_set_as_a_parameter_is_not_used_for_senders_with_contradictory
     assert any("latency unknown" in text or "not fresh" in text for text in said)
 
 
-def test_a_leader_whose_answers_begin_to_contradict_its_stamps_is_left() -> None:
+def test_a_boat_coasts_when_its_leaders_answers_begin_to_contradict_its_stamps() -> None:
     sea = prompt_sea()
     sea.run(2.0)
     sea.enter_formation()
@@ -138,7 +138,7 @@ def test_a_leader_whose_answers_begin_to_contradict_its_stamps_is_left() -> None
     assert sea.state == "FORMATION"
 
 
-def test_a_latency_measured_by_turns_in_manual_lets_the_law_steer() -> None:
+def test_turning_in_manual_measures_the_unknown_latency_of_the_own_unit() -> None:
     sea = Afloat(UNKNOWN | {"FORM_LAG_S": 0.0}, Hull(), s_curve)
     sea.own.delay_us = 150_000
     sea.run(1.0)

@@ -97,7 +97,7 @@ def test_the_leader_is_known_to_centimetres(
     assert math.hypot(*sea.off_slot()[:2]) < 0.02
 
 
-def test_three_messages_that_were_overtaken_say_nothing_of_the_leaders_clock() -> None:
+def test_three_overtaken_messages_do_not_shift_the_leaders_estimated_clock() -> None:
     """The latency is 0.2 s, except for one message with 0.16 s; TIMESYNC is always answered."""
     sea = Sea(leader=Course(5.0, 5.0, 0.5, 1.0, 0.0, 0.0))
     sea.leader.answers_timesync, sea.leader.delay_us, sea.leader.period_us = True, 200_000, 10_000

@@ -72,7 +72,7 @@ def wanted(sea: Afloat) -> dict[str, Any]:
 @EACH
 @BASES
 @pytest.mark.parametrize("on", [True, False])
-def test_a_switch_under_way_works_at_once_and_the_propellers_bear_it(
+def test_an_extension_switched_under_way_acts_at_once_within_the_propellers_limits(
     name: str, base: dict[str, float], on: bool
 ) -> None:
     sea, other = (afloat(base | {name: 0.0 if on else FELT[name]}) for _ in range(2))

@@ -116,7 +116,7 @@ def test_beyond_the_fence_the_law_stops_and_within_it_the_operator_may_go_on(
     assert sea.state == "FORMATION"
 
 
-def test_home_is_where_the_boat_is_armed_so_it_is_armed_anywhere() -> None:
+def test_a_boat_may_be_armed_anywhere_as_its_fence_is_centred_there() -> None:
     sea = Sea(PAPER | {"FS_FENCE_M": 3.0}, own=Course(1.0, 2.0, 0.3, 0.5))
     sea.run(10.0)
     sail_on(sea, 0.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat lists its host's logs over MAVLink and gives them away, whole, over any link."""
+"""A boat lists its host's logs over MAVLink and sends them whole over any link."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def test_a_read_beyond_the_end_of_a_log_returns_the_end() -> None:
         assert (end.ofs, end.count) == (180, 0)
 
 
-def test_a_client_ends_its_own_transfer_only() -> None:
+def test_a_client_can_end_its_transfer_of_a_log() -> None:
     sea = sea_with([log(500_000)])
     reader = Reader(sea)
     reader.listed()
@@ -150,7 +150,7 @@ def test_logs_are_not_erased_from_afar() -> None:
     assert reader.listed() == {0: 100}
 
 
-def test_logs_leave_room_for_the_state() -> None:
+def test_sending_a_log_does_not_slow_the_telemetry_of_the_state() -> None:
     sea = sea_with([log(500_000)])
     sea.boat.limit_link(0, 4000)
     reader = Reader(sea)
@@ -161,7 +161,7 @@ def test_logs_leave_room_for_the_state() -> None:
     assert len(states) >= 48 and [m for tick in ticks for m in tick.named("LOG_DATA")]
 
 
-def test_everybody_may_read_but_a_companion_leaves_it_to_the_autopilot() -> None:
+def test_a_station_that_may_not_command_may_still_list_the_logs() -> None:
     sea = sea_with([log(100)], {"MAV_GCS_SYSID": GCS})
     sea.say(mavlink.MAVLink_log_request_list_message(BOAT, 1, 0, 0xFFFF), sender=Station(9, 190))
     assert [m for tick in sea.run(0.3) for m in tick.named("LOG_ENTRY")]

@@ -126,7 +126,7 @@ def test_the_heartbeat_shows_manual(sea: Sea) -> None:
 
 
 @pytest.mark.parametrize("x", [0, 700])
-def test_silent_sticks_are_hold_within_half_a_second_and_a_tick(sea: Sea, x: int) -> None:
+def test_silent_sticks_lead_to_hold_within_half_a_second_and_a_tick(sea: Sea, x: int) -> None:
     enter_manual(sea)
     drive(sea, x)
     sea.say(sticks(x))

@@ -279,7 +279,7 @@ def test_a_state_that_is_slower_anyway_stays_as_it_is(rate_Hz: float) -> None:
     assert count(ticks, ATTITUDE) == pytest.approx(20 * rate_Hz, abs=1)
 
 
-def test_no_state_is_sent_to_a_full_radio_where_none_was_wanted() -> None:
+def test_a_full_radio_gets_no_state_if_sr_state_is_zero() -> None:
     sea = Sea({"SR_STATE": 0})
     sea.run(1.5)
     radio_says(sea, 0, times=50)

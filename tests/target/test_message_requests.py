@@ -112,7 +112,7 @@ def test_a_boat_without_an_origin_has_no_place_on_the_globe(message_id: int) -> 
     assert answered(sea.order(REQUEST, 32.0), REQUEST, ACCEPTED)
 
 
-def test_a_boat_without_a_leader_has_no_slot_to_tell_for_now() -> None:
+def test_a_request_for_the_slot_is_temporarily_rejected_without_a_leader() -> None:
     sea = Sea(QUIET)
     sea.leader.on = False
     sea.run(1.15)

@@ -225,7 +225,7 @@ def test_a_second_test_comes_after_the_first_has_ended(sea: Sea) -> None:
     [(STBD, PERCENT, 10.0, 1.0), (PORT, PERCENT, -10.0, 1.0), (PORT, PERCENT, 10.0, 5.0)],
     ids=["propeller", "direction", "duration"],
 )
-def test_never_two_propellers_turn_nor_one_for_longer_when_another_test_is_asked_for(
+def test_a_motor_test_requested_during_another_is_rejected_and_does_not_extend_it(
     sea: Sea, other: tuple[float, ...]
 ) -> None:
     """A test can begin in HOLD only, not while another one runs."""
@@ -265,7 +265,7 @@ def test_the_operator_ends_a_motor_test_in_the_same_tick(
 
 
 @pytest.mark.parametrize("mode", [FORMATION, MANUAL])
-def test_no_mode_that_drives_follows_a_test_directly(sea: Sea, mode: int) -> None:
+def test_a_mode_that_drives_is_rejected_during_a_motor_test(sea: Sea, mode: int) -> None:
     enter_test(sea)
     sea.say(sticks(500))
     assert acks(sea.mode(mode)) == [(SET_MODE, TEMPORARILY_REJECTED)]

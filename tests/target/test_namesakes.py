@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Others with our system id: noticed, told, and no arming."""
+"""Other senders with our system id: the boat detects and reports them, and does not arm."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def test_our_own_messages_heard_again_are_neither_obeyed_nor_forwarded() -> None
     assert sea.state == "DISARMED"
 
 
-def test_two_boats_with_one_name_notice_each_other() -> None:
+def test_two_boats_with_the_same_system_id_notice_each_other() -> None:
     """Two copies of one memory card, switched on half a second apart."""
     one, two = Sea(), Sea()
     ticks: dict[str, list[Tick]] = {"one": [], "two": []}
@@ -110,7 +110,7 @@ def test_two_boats_with_one_name_notice_each_other() -> None:
     assert doubles(ticks["one"]) and doubles(ticks["two"])
 
 
-def test_a_boat_does_not_arm_while_another_uses_its_name() -> None:
+def test_a_boat_does_not_arm_while_another_uses_its_system_id() -> None:
     sea = Sea()
     double = Station(BOAT, 1)
     double.encoder.seq = 100
@@ -123,7 +123,7 @@ def test_a_boat_does_not_arm_while_another_uses_its_name() -> None:
     sea.enter_hold()
 
 
-def test_a_boat_under_the_law_holds_as_another_uses_its_name_and_may_be_driven_home() -> None:
+def test_a_boat_under_the_law_holds_if_another_uses_its_id_and_may_be_driven_home() -> None:
     sea = Sea(leader=TURN)
     sea.enter_formation()
     sea.run(1.0)

@@ -77,7 +77,7 @@ def test_a_propeller_that_turns_the_other_way_does_so_from_arming_on(sea: Sea, c
 
 
 @TOGETHER
-def test_an_esc_that_is_not_there_is_no_esc_to_arm_with(sea: Sea, chunks: int) -> None:
+def test_a_boat_set_to_a_missing_esc_does_not_arm(sea: Sea, chunks: int) -> None:
     sea.settle()
     say(sea, chunks, param_set("ESC_PORT", 5.0), command_long(ARM, 1.0))
     tick = sea.step()
@@ -86,7 +86,7 @@ def test_an_esc_that_is_not_there_is_no_esc_to_arm_with(sea: Sea, chunks: int) -
 
 
 @TOGETHER
-def test_another_esc_is_the_one_that_is_driven(sea: Sea, chunks: int) -> None:
+def test_a_boat_set_to_another_esc_drives_that_one(sea: Sea, chunks: int) -> None:
     sea.escs.append(type(sea.escs[0])(33, 5))
     sea.run(1.5)
     say(sea, chunks, param_set("ESC_PORT", 5.0), command_long(ARM, 1.0))
@@ -96,7 +96,7 @@ def test_another_esc_is_the_one_that_is_driven(sea: Sea, chunks: int) -> None:
 
 
 @TOGETHER
-def test_a_shorter_patience_is_in_force_for_arming(sea: Sea, chunks: int) -> None:
+def test_a_changed_fs_nav_s_applies_to_an_arming_in_the_same_tick(sea: Sea, chunks: int) -> None:
     sea.run(1.0)
     sea.silence("own")
     sea.run(0.2)
@@ -144,7 +144,9 @@ def test_a_boat_in_manual_does_not_follow_a_leader_that_it_does_not_hear(
 
 
 @TOGETHER
-def test_a_set_behind_arming_is_a_set_of_an_armed_boat(sea: Sea, chunks: int) -> None:
+def test_a_parameter_set_after_an_arming_is_refused_as_on_an_armed_boat(
+    sea: Sea, chunks: int
+) -> None:
     sea.settle()
     say(sea, chunks, command_long(ARM, 1.0), param_set("THR_FWD_MAX", 100.0))
     tick = sea.step()
@@ -154,7 +156,9 @@ def test_a_set_behind_arming_is_a_set_of_an_armed_boat(sea: Sea, chunks: int) ->
 
 
 @TOGETHER
-def test_a_set_behind_disarming_is_one_of_a_disarmed_boat(sea: Sea, chunks: int) -> None:
+def test_a_parameter_set_after_a_disarm_is_accepted_as_on_a_disarmed_boat(
+    sea: Sea, chunks: int
+) -> None:
     sea.enter_formation()
     sets = [param_set(name, 30.0) for name in ("THR_FWD_MAX", "THR_REV_MAX")]
     say(sea, chunks, command_long(ARM, 0.0), *sets, command_long(ARM, 1.0))
@@ -173,7 +177,7 @@ def test_many_sets_in_a_tick_are_all_in_force_at_its_end(sea: Sea) -> None:
     assert sea.snapshot()["thrust_N"]["port"] == pytest.approx(0.2 * 31, abs=0.02)
 
 
-def test_another_operator_alone_commands_from_his_set_on(sea: Sea) -> None:
+def test_a_change_of_mav_gcs_sysid_applies_to_the_next_command_of_the_tick(sea: Sea) -> None:
     sea.settle()
     sea.say(param_set("MAV_GCS_SYSID", 7.0), command_long(ARM, 1.0))
     assert acks(sea.step()) == [(ARM, 2)] and sea.state == "DISARMED"

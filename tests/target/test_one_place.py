@@ -132,7 +132,7 @@ def test_a_change_of_message_kind_does_not_move_a_vessel(agent: str) -> None:
 
 
 @pytest.mark.parametrize("agent", ["own", "leader"])
-def test_another_kind_of_message_of_the_same_place_goes_on(agent: str) -> None:
+def test_another_kind_of_message_with_the_same_position_keeps_the_formation(agent: str) -> None:
     sea = sailing()
     whose = getattr(sea, agent)
     whose.on = False
@@ -196,7 +196,7 @@ def test_a_reset_of_the_estimate_does_not_hide_a_jump(agent: str, by: str) -> No
 
 
 @pytest.mark.parametrize("near", [True, False])
-def test_a_lower_component_of_the_leader_counts_where_it_is_in_the_same_place(near: bool) -> None:
+def test_a_lower_component_of_the_leader_counts_if_it_is_at_the_same_position(near: bool) -> None:
     sea = sailing()
     sea.leader.station = Station(LEADER, 9)
     sea.disarm()

@@ -43,7 +43,7 @@ def test_leader_that_sails_away_is_followed_no_farther_than_the_limit() -> None:
     assert sea.condition("on_station")  # nothing is judged that the law does not drive
 
 
-def test_asked_again_the_boat_closes_up_anew() -> None:
+def test_boat_closes_up_again_on_a_new_request() -> None:
     sea = behind(15.0)
     sea.run_until("COAST", 40.0)
     sea.run_until("HOLD", 6.0)
@@ -76,7 +76,7 @@ def test_boat_that_swings_to_and_fro_faster_than_it_may_turn_is_out_of_formation
 
 
 @pytest.mark.parametrize("name", ["FORM_OFS_N", "FORM_OFS_E"])
-def test_to_another_slot_the_boat_closes_up_anew(name: str) -> None:
+def test_boat_closes_up_again_to_another_slot(name: str) -> None:
     sea = behind(1e9, {"FORM_OFS_E": 8.0}, east=8.0)
     sea.run(30.0)
     assert sea.snapshot()["in_slot"]

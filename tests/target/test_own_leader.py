@@ -34,13 +34,13 @@ def taken(sea: Sea, name: str, value: float, target: tuple[int, int] = (BOAT, 1)
 
 
 @pytest.mark.parametrize("armed", [False, True])
-def test_a_boats_own_system_id_is_no_leaders(sea: Sea, armed: bool) -> None:
+def test_a_boats_own_system_id_is_refused_as_form_leader(sea: Sea, armed: bool) -> None:
     sea.enter_formation() if armed else sea.settle()
     refused(sea, "FORM_LEADER", BOAT)
     assert sea.state == ("FORMATION" if armed else "DISARMED")
 
 
-def test_an_own_system_id_is_no_leaders_while_the_next_one_waits_for_the_restart(sea: Sea) -> None:
+def test_the_present_and_the_next_system_id_are_both_refused_as_form_leader(sea: Sea) -> None:
     sea.settle()
     taken(sea, "MAV_SYSID", 9)
     refused(sea, "FORM_LEADER", BOAT)  # in force
@@ -77,7 +77,7 @@ def test_a_companion_whose_autopilot_comes_later_does_not_follow_it() -> None:
         assert not same or named(sea.ticks, "HEARTBEAT")[-1].get_srcSystem() != AUTOPILOT
 
 
-def test_a_leader_that_is_set_to_the_coming_name_is_never_followed_under_it() -> None:
+def test_a_form_leader_set_to_a_companions_next_system_id_is_never_followed() -> None:
     """In the three seconds between hearing its autopilot and taking its system id."""
     sea = companion()
     vessel = Station(AUTOPILOT, 1)

@@ -108,7 +108,7 @@ def test_on_a_slow_link_the_list_keeps_to_its_rate_and_still_ends() -> None:
     assert size <= 1200 * 21 and len(named(ticks, "HEARTBEAT")) in (19, 20, 21)
 
 
-def test_only_who_asks_gets_the_list() -> None:
+def test_only_the_link_that_asks_gets_the_list() -> None:
     sea = Sea(links=3)
     sea.settle()
     sea.say(param_list(), link=1)
@@ -400,7 +400,7 @@ def test_while_armed_only_parameters_that_may_change_at_any_time_change(
     )
 
 
-def test_the_same_value_again_is_no_change_also_under_way(sea: Sea) -> None:
+def test_setting_the_value_in_force_is_accepted_under_way_and_changes_nothing(sea: Sea) -> None:
     sea.enter_formation()
     ticks = set_it(sea, "THR_FWD_MAX", 20.0)
     (value,) = values(ticks)
@@ -471,7 +471,7 @@ def test_an_old_parameter_file_starts_and_stops_no_boat(mode: float) -> None:
 # Saving.
 
 
-def test_a_boat_asks_to_be_saved_once_after_a_change(sea: Sea) -> None:
+def test_a_boat_requests_one_save_after_a_change(sea: Sea) -> None:
     sea.settle()
     assert sea.boat.take_save_request() == "none"
     set_it(sea, "LAW_KX", 1.0)

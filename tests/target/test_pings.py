@@ -91,7 +91,7 @@ def test_an_answer_to_a_ping_is_not_answered(sea: Sea, target: tuple[int, int]) 
     assert not named(sea.run(0.2), "PING")
 
 
-# TIMESYNC: the extension that tells whom an answer is for.
+# TIMESYNC: the extension that names the system an answer is for.
 
 
 def timesync(station: Station, tc1: int, ts1: int, *target: int) -> bytes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Items of plans beyond waypoints and waits: circles, home, jumps; and legs that make no way."""
+"""Items of plans beyond waypoints and waits: circles, home, jumps; legs without progress."""
 
 from __future__ import annotations
 
@@ -145,7 +145,9 @@ ROUND = [at(8, 0), at(8, 8), at(0, 8), bare(JUMP, 1.0, 1.0), at(-9, 8)]
     ],
     ids=["behind a circle", "where a jump leads"],
 )
-def test_a_delay_is_kept(plan: list[Item], waits_at: tuple[float, float] | None) -> None:
+def test_a_boat_waits_where_a_delay_follows_a_circle_or_a_jump(
+    plan: list[Item], waits_at: tuple[float, float] | None
+) -> None:
     sea = sailing(plan)
     rests: list[tuple[float, float]] = []
     for _ in range(1000):

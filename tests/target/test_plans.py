@@ -343,7 +343,9 @@ def test_a_request_without_mission_type_means_the_plan(planner: Planner, sea: Se
 
 
 @pytest.mark.parametrize("target", [(3, 1), (BOAT, 7), (GCS, 1)])
-def test_plans_of_others_are_not_ours(planner: Planner, sea: Sea, target: tuple[int, int]) -> None:
+def test_plan_messages_for_other_systems_or_components_are_ignored(
+    planner: Planner, sea: Sea, target: tuple[int, int]
+) -> None:
     planner.send(SQUARE)
     sea.say(
         mavlink.MAVLink_mission_request_list_message(*target, 0),
@@ -380,7 +382,7 @@ def test_only_the_askers_link_gets_the_answer() -> None:
     assert [len(named(ticks, "MISSION_COUNT", link)) for link in (0, 1)] == [0, 1]
 
 
-def test_who_may_not_command_the_boat_reads_its_plan_and_changes_nothing() -> None:
+def test_a_station_that_may_not_command_reads_the_plan_and_changes_nothing() -> None:
     sea = Sea({"MAV_GCS_SYSID": float(GCS)})
     sea.settle()
     assert Planner(sea).send(SQUARE) == ITEM_ACCEPTED

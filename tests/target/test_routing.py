@@ -238,7 +238,7 @@ def test_nothing_goes_back_where_it_came_from() -> None:
 def test_nothing_circles_where_two_links_reach_the_same_boats() -> None:
     sea = known(3, {0: [OTHER, Station(GCS, GCS_COMPONENT)], 1: [OTHER], 2: []})
     frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
-    for link in (0, 1):  # its addressee hears it there himself
+    for link in (0, 1):  # the addressee hears it on that link itself
         sea.boat.on_mavlink(frame, sea.now_us, link)
         assert not [t for t in sea.run(0.5) if any(frame in sent(t, k) for k in range(3))]
     sea.boat.on_mavlink(frame, sea.now_us, 2)
@@ -246,7 +246,7 @@ def test_nothing_circles_where_two_links_reach_the_same_boats() -> None:
     assert frame in sent(tick, 0) and frame in sent(tick, 1) and frame not in sent(tick, 2)
 
 
-def test_of_three_links_only_the_addressees_gets_it() -> None:
+def test_of_three_links_only_the_addressees_link_gets_a_message() -> None:
     sea = known(3, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER], 2: [Station(9, 1)]})
     frame = FRAMES["set"](Station(GCS, GCS_COMPONENT))
     sea.boat.on_mavlink(frame, sea.now_us, 0)

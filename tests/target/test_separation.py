@@ -102,14 +102,14 @@ def test_formation_is_refused_while_a_vessel_is_nearer_than_fs_sep_m() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_who_comes_too_near_does_not_end_a_formation() -> None:
+def test_a_vessel_that_comes_too_near_does_not_end_formation() -> None:
     sea = boat()
     sea.enter_formation()
     meet(sea, 1.0, 1.0)
     assert not sea.condition("clear") and sea.state == "FORMATION"
 
 
-def test_it_yields_to_a_vessel_ahead_reports_the_distance_and_continues_afterwards() -> None:
+def test_a_boat_yields_to_a_vessel_ahead_reports_the_distance_and_then_continues() -> None:
     sea = boat()
     sea.enter_formation()
     sea.run(1.0)
@@ -147,7 +147,9 @@ def test_systems_that_are_no_vessels_are_no_obstacles(kind: int) -> None:
 
 
 @pytest.mark.parametrize("component", [None, 1, 191])
-def test_an_echo_sounders_depth_makes_no_member_of_a_stranger(component: int | None) -> None:
+def test_the_depth_of_an_echo_sounder_does_not_make_a_stranger_a_member(
+    component: int | None,
+) -> None:
     """A boat yields to a stranger that comes straight at it, not to a member that is deeper.
 
     `component`: the one that speaks Flotilla's dialect, an autopilot or its companion.

@@ -77,7 +77,7 @@ def test_a_place_that_a_script_repeats_is_sailed_to_as_one_sent_once() -> None:
 
 
 @pytest.mark.parametrize("scalar", ["float", "q16"])
-def test_a_yaw_rate_beyond_any_boats_is_turned_as_fast_as_the_boat_may(scalar: str) -> None:
+def test_an_impossible_yaw_rate_is_limited_to_that_of_the_boat(scalar: str) -> None:
     sea = at_sea([], scalar=scalar)
     sea.mode(GUIDED)
     sea.run(1.0)
@@ -168,7 +168,7 @@ def test_an_impossible_setpoint_is_refused_with_a_reason(
     assert place(sea) == pytest.approx((0, 0), abs=0.05) and sea.state == "GUIDED"
 
 
-def test_setpoints_of_who_may_not_command_move_no_boat() -> None:
+def test_setpoints_of_a_station_that_may_not_command_move_no_boat() -> None:
     sea = at_sea([], {"MAV_GCS_SYSID": float(GCS)})
     sea.mode(GUIDED)
     sea.run(1.0)

@@ -175,7 +175,7 @@ def test_the_answer_is_signed_and_pymavlink_verifies_it(sea: SecureSea) -> None:
     assert not verified(sent, OTHER_KEY)
 
 
-def test_all_that_a_boat_says_on_a_secure_link_is_verified(sea: SecureSea) -> None:
+def test_all_messages_of_a_boat_on_a_secure_link_can_be_verified(sea: SecureSea) -> None:
     ticks = sea.run(3.0)
     sent = b"".join(data for tick in ticks for link, data in tick.mavlink if link == 1)
     said = sum(len(tick.messages(1)) for tick in ticks)
@@ -252,7 +252,7 @@ def test_the_limit_on_the_future_goes_on_with_the_hosts_clock(sea: SecureSea) ->
     assert sea.moved(late.pack(order())) == (True, {"signed": 1})
 
 
-def test_a_ground_station_a_little_ahead_cannot_run_away_with_the_time(sea: SecureSea) -> None:
+def test_a_ground_station_cannot_advance_the_time_in_many_small_steps(sea: SecureSea) -> None:
     """In steps of 30 s, each of which is allowed."""
     ahead = signer(system=66)
     for step in range(1, 20):
@@ -406,7 +406,7 @@ def test_a_stranger_does_not_set_the_clock(sender: Station) -> None:
         assert sea.moved(old.pack(order())) == (True, {"signed": 1})  # it is still not judged
 
 
-def test_the_clock_of_a_host_that_has_one_is_not_the_navigation_units() -> None:
+def test_a_host_with_a_clock_does_not_take_the_time_of_the_navigation_unit() -> None:
     sea = Sailor()
     tell_time(sea, NOW_S + 365 * 86_400, UNIT)
     assert sea.obeys_the_operator()

@@ -64,7 +64,7 @@ def test_a_second_operators_sticks_are_ignored_while_the_first_holds_his(
 
 
 @pytest.mark.parametrize("second", SECOND, ids=str)
-def test_a_second_operator_does_not_keep_the_boat_going_for_the_first(
+def test_a_second_operators_sticks_do_not_replace_those_of_a_silent_first_one(
     second: tuple[int, int],
 ) -> None:
     """The first falls silent: HOLD after half a second, whatever the second sends."""
@@ -116,7 +116,7 @@ def test_invalid_sticks_do_not_take_control(sea: Sea) -> None:
     assert acks(sea.mode(MANUAL)) == [(SET_MODE, ACCEPTED)]
 
 
-def test_who_may_not_command_does_not_take_the_sticks() -> None:
+def test_a_station_that_may_not_command_cannot_take_the_sticks() -> None:
     sea = Sea({"MAV_GCS_SYSID": GCS})
     sea.enter_hold()
     for _ in range(5):
@@ -129,7 +129,7 @@ def test_who_may_not_command_does_not_take_the_sticks() -> None:
 
 
 @pytest.mark.parametrize("target", [AUTOPILOT, BOAT, 0])
-def test_a_companions_sticks_are_its_autopilots(target: int) -> None:
+def test_a_companion_leaves_the_sticks_to_its_autopilot(target: int) -> None:
     sea = latched()
     sea.say(command_long(ARM, 1.0, target=ME))
     sea.step()

@@ -74,7 +74,7 @@ def test_formation_is_accepted_again_after_the_propellers_rested() -> None:
 
 
 @pytest.mark.parametrize("current", [(0.5, 0.0), (-0.5, 0.3)])
-def test_water_that_sets_a_boat_off_its_way_is_no_fault(current: tuple[float, float]) -> None:
+def test_a_current_is_not_taken_for_missing_thrust(current: tuple[float, float]) -> None:
     sea = Faulty({}, Hull([-2.0, 1.0, 0.3, 0.0, 0.0, 0.0], current=current), s_curve)
     sea.enter_formation()
     sea.run(60.0)

@@ -60,7 +60,7 @@ def test_timesync_tells_how_old_the_leaders_state_is(offset_s: float, delay_s: f
         )
 
 
-def test_without_timesync_a_leaders_state_is_as_old_as_its_fastest_way(sea: Sea) -> None:
+def test_without_timesync_a_leaders_age_is_counted_from_its_fastest_message(sea: Sea) -> None:
     sea.leader.clock_offset_us = 7 * 3600 * 1_000_000
     sea.run(2.0)
     assert 0.0 <= sea.snapshot()["leader_age_s"] <= 0.105
@@ -134,7 +134,7 @@ def test_a_boat_and_its_follower_agree_about_time() -> None:
 
 
 @pytest.mark.parametrize(("rate_Hz", "often"), [(1.0, 10), (0.0, 10), (5.0, 10), (0.2, 2)])
-def test_a_slow_radio_is_asked_as_seldom_as_sr_slow_says_and_the_own_unit_every_second(
+def test_a_slow_radio_is_asked_at_the_rate_of_sr_slow_and_the_own_unit_every_second(
     rate_Hz: float, often: int
 ) -> None:
     sea = Sea({"SR_SLOW": rate_Hz}, links=2)  # the unit speaks on link 0
@@ -144,7 +144,7 @@ def test_a_slow_radio_is_asked_as_seldom_as_sr_slow_says_and_the_own_unit_every_
 
 
 @pytest.mark.parametrize("after_s", [0.04, 0.3, 0.97, 5.0])
-def test_a_radio_that_may_be_asked_more_often_again_is_asked_so_at_once(after_s: float) -> None:
+def test_timesync_requests_follow_a_raised_sr_slow_at_once(after_s: float) -> None:
     sea = Sea({"SR_SLOW": 0.1}, links=2)
     sea.settle()
     sea.run(30.0)

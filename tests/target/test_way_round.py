@@ -37,7 +37,7 @@ BAY: Points = [(-4, -6), (-4, 6), (26, 6), (26, 16), (-4, 16), (-4, 26), (34, 26
 ROUND_ISLE: Points = [
     (10 + 4 * math.cos(a), 1 + 4 * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 48, False)
 ]
-#: What may not be sailed, what may, and where the boat is; its home is at 0, 0.
+#: Forbidden zones, permitted zones, and the boat's position; its home is at 0, 0.
 CASES: dict[str, tuple[list[Points], list[Points], tuple[float, float]]] = {
     "wall": ([WALL], [], (20, 0)),
     "hook, from inside": ([HOOK], [], (11, 2)),
@@ -67,7 +67,7 @@ def inside(points: np.ndarray, zone: Points) -> np.ndarray:
 
 
 def clearance(points: np.ndarray, outs: list[Points], ins: list[Points]) -> np.ndarray:
-    """Distance of each point from the nearest boundary, negative where it may not be."""
+    """Distance of each point from the nearest boundary, negative in forbidden water."""
     least = np.full(len(points), np.inf)
     for zone, sign in [(z, -1) for z in outs] + [(z, 1) for z in ins]:
         a = np.asarray(zone)

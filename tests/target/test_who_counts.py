@@ -70,7 +70,7 @@ def test_a_foreign_system_is_neither_own_state_nor_leader(sea: Sea, system: int)
     assert sea.snapshot()["own_age_s"] is None and sea.snapshot()["leader_age_s"] is None
 
 
-def test_of_a_leaders_components_the_first_one_counts_where_it_is_heard() -> None:
+def test_the_lowest_component_of_the_leader_that_is_heard_counts() -> None:
     sea = Sea(own=Course())
     sea.leader.on = False
     nine, five, one = Station(LEADER, 9), Station(LEADER, 5), Station(LEADER, 1)
@@ -86,7 +86,7 @@ def test_of_a_leaders_components_the_first_one_counts_where_it_is_heard() -> Non
 
 @pytest.mark.parametrize("agent", ["own", "leader"])
 @pytest.mark.parametrize("kind", ["ATTITUDE", "HEARTBEAT", "GPS_GLOBAL_ORIGIN"])
-def test_a_second_component_without_a_whole_state_displaces_nobody(
+def test_a_component_with_an_incomplete_state_does_not_displace_another(
     sea: Sea, agent: str, kind: str
 ) -> None:
     whose = getattr(sea, agent)

@@ -151,7 +151,7 @@ def descendants(pid: int) -> list[int]:
     return [other for child in map(int, children) for other in [child, *descendants(child)]]
 
 
-def test_a_panic_of_the_kernel_is_status_1_and_its_last_lines(begin: Begin) -> None:
+def test_a_kernel_panic_ends_with_status_1_and_the_kernels_last_lines(begin: Begin) -> None:
     status, out, err = end(begin("--uml", "-n", "1", "sh", "-c", PANIC))
     assert (status, out) == (1, "hello\n")
     assert err.startswith("Kernel panic - not syncing: sysrq triggered crash")

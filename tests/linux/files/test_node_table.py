@@ -38,7 +38,7 @@ def allocated(sea: RealSea, unique_id: bytes) -> int:
     return int(answers(sea)[-1].node_id)
 
 
-def test_the_node_of_the_specifications_log_is_answered_as_there(sea: RealSea) -> None:
+def test_an_allocation_request_is_answered_as_in_the_specifications_log(sea: RealSea) -> None:
     frames = [frame.split("#") for frame in LOG["frames"]]
     asked = [bytes.fromhex(data) for can_id, data in frames if can_id.endswith("00")]
     assert [request(FIRST, part)[1] for part in range(3)] == asked

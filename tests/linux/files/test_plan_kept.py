@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A plan survives the end of flotillad, however sudden; a damaged file is said and not used."""
+"""A plan survives the end of flotillad, however sudden; a damaged file is reported, not used."""
 
 import signal
 import zlib

@@ -11,7 +11,7 @@ from tests.linux.process import RealSea
 from tests.target.stations import BOAT, LEADER
 
 
-def test_a_boats_log_shows_it_its_leader_and_how_it_got_into_formation(
+def test_a_boats_log_shows_the_boat_its_leader_and_its_way_into_formation(
     sea: RealSea, tmp_path: Path
 ) -> None:
     sea.start(f"--log={tmp_path / 'log'}")

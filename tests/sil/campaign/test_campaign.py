@@ -246,7 +246,7 @@ def test_a_nominal_run_that_fails_costs_no_campaign(
     assert_same(tmp_path, sailed)
 
 
-def test_a_campaign_whose_leader_and_boats_are_nowhere_on_the_globe_is_sailed(
+def test_runs_whose_vessels_leave_the_globe_count_as_diverged(
     tmp_path: Path,
 ) -> None:
     nowhere = "vessel.d22=5000", "duration_s=10", 'leader.navigation.message="global"'

@@ -73,7 +73,7 @@ def test_page_carries_both_pictures_and_needs_no_other_file(page: str) -> None:
     assert 'name="viewport"' in page
 
 
-def test_page_links_the_replay_that_moved_as_the_table_has_it_and_no_other(page: str) -> None:
+def test_page_links_only_the_replay_that_matches_the_table(page: str) -> None:
     assert re.findall(r"href=\"(.*?)\"", page) == ["runs/5/report.html"]
 
 

@@ -49,7 +49,7 @@ def test_report_carries_the_worst_run(sailed: Path) -> None:
     assert told is not None and f"<title>{told['title']}</title>" in unescape(inner)
 
 
-def test_campaign_of_which_every_run_diverged_has_no_worst_that_did_not(tmp_path: Path) -> None:
+def test_campaign_with_only_diverged_runs_has_no_worst_run_to_replay(tmp_path: Path) -> None:
     chosen = sampler(tmp_path)
     folder = Made(runs=3, diverged=(0, 1, 2)).write(tmp_path / "lost")
     np.savez(folder / "nominal.npz", t_s=[0.0], eta=np.zeros((1, 5, 3)), error=np.ones((1, 4, 3)))

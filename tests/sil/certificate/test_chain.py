@@ -33,7 +33,7 @@ def test_a_chain_breaks_in_simulation_where_it_stops_being_certified(
 
 @cache
 def followed(delay_s: float) -> chain.Chain:
-    """Boats of which each follows the one before it."""
+    """A chain of boats: each follows the one before it."""
     late = scenario.load("line10", [f"link.delay_s={delay_s}"])
     return chain.chain(late, references(late)[0], {"LAW_REF": 0.0})
 

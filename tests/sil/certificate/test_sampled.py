@@ -86,7 +86,7 @@ def test_error_abeam_that_never_decays_is_not_taken_for_the_current(
     assert found.outcome == "stays" and not found.holds
 
 
-def test_estimate_nearly_as_wrong_as_the_boat_is_fast_moves_it_far() -> None:
+def test_estimate_with_an_error_close_to_the_boats_speed_moves_it_far() -> None:
     found = on_a_straight_leg("[0.4, 0.1]", LAW_CUR_BW=0.1, LAW_OBS_BW=2.0)
     assert found.misled and found.misled.off_m > 0.5
 

@@ -177,7 +177,7 @@ class Patient:
         return self.while_speaking(lambda: list(examine(computer, CONFIG, seconds)))
 
     def complaints(self, seconds: float = LISTEN_S) -> list[Finding]:
-        """What is not in order, but for the bus being a simulated one."""
+        """All findings that are not OK, except that the bus is a simulated one."""
         found = [f for f in self.examined(seconds) if f.level is not Level.OK]
         return [f for f in found if "is a simulated bus" not in f.what]
 

@@ -32,9 +32,9 @@ def patient(tmp_path: Path) -> Iterator[Patient]:
 def asked(
     patient: Patient, folder: Path, policy: str, plant: Callable[[], None] = lambda: None
 ) -> list[Finding]:
-    """What the doctor finds while a boat runs, whose link has this policy for signatures.
+    """The doctor's findings while a boat runs whose link has this policy for signatures.
 
-    `plant` is done once it runs.
+    `plant` is called once the boat runs.
     """
     end = Udp(patient.port)
     patient.configure(

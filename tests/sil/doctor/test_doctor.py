@@ -171,7 +171,7 @@ def interface(patient: Patient, flags: str = "0x40081", kind: str = "280") -> No
     patient.configure(can='"socketcan:can0"')
 
 
-#: Planted fault, level, where it is told, what, and what helps.
+#: Planted fault, and the finding: level, place, text, remedy.
 FAULTS = {
     "no configuration": (remove(CONFIG), BAD, CONFIG, "no such configuration", "--config"),
     "a wrong key": (configure(kan='"x"'), BAD, f"{CONFIG}:", 'unknown key "kan"', "restart flotillad"),
@@ -219,7 +219,7 @@ FAULTS = {
     "unsigned where signed is required": (unsigned, BAD, "udpin:127.0.0.1", "does not sign", "signing=off"),
     "no key at all": (configure(signing_key=""), DOUBT, "signing", "no key", "signing-key"),
 }  # fmt: skip
-#: What else follows from a fault.
+#: Further findings that a fault causes.
 CONSEQUENCES = {
     "no serial device": ("sends no position",),
     "an address of another computer": ("sends no position", "FORM_LEADER"),

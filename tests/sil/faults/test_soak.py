@@ -30,7 +30,7 @@ def test_a_fault_that_is_not_recovered_from_ends_the_soak(monkeypatch: pytest.Mo
     assert "not recovered by" in history.wrong[0]
 
 
-def test_thrust_without_leave_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_forbidden_thrust_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soak, "_OFF", [STATES["FORMATION"]])
     assert "forbidden thrust" in soaked(1).wrong[0]
 

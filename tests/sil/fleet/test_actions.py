@@ -44,7 +44,7 @@ def sail(waters: Waters, for_s: float) -> None:
 
 
 def form(waters: Waters, shape: str, spacing_m: float | None = None) -> None:
-    """Form the boats, of which none stops."""
+    """Form the boats; asserts that none stops."""
     wish: dict[str, Any] = {
         "shape": shape,
         "spacing_m": spacing_m,
@@ -153,7 +153,7 @@ def test_an_order_to_the_leader_moves_the_fleet(waters: Waters) -> None:
     assert waters.state(1) == "RTL"
 
 
-def test_go_waits_for_the_place_of_the_boat_that_is_named(waters: Waters) -> None:
+def test_go_waits_until_the_named_boats_position_is_heard(waters: Waters) -> None:
     status, words = waters.command(action="go", way_m=(12.0, -5.0), boats=(1,))
     assert status == 0, words
     assert waters.state(1) == "GUIDED"
@@ -171,7 +171,7 @@ def test_hold_and_follow_again(waters: Waters) -> None:
 
 
 def test_after_a_hold_boats_wait_for_a_leader_in_any_order(waters: Waters) -> None:
-    """Also for one that has followed those which follow it now."""
+    """The new leader has followed boats that now follow it."""
     assert waters.command(action="form", shape="vee", spacing_m=4.5)[0] == 0
     sail(waters, 5.0)
     waters.command(action="hold")
@@ -180,7 +180,7 @@ def test_after_a_hold_boats_wait_for_a_leader_in_any_order(waters: Waters) -> No
     assert waters.command(action="follow", boats=(1, 3, 4))[0] == 0
     sail(waters, 20.0)
     assert "LOITER" not in waters.states and "AUTO" not in waters.states
-    waters.command(action="follow", boats=(1, 3, 4))  # who drifted out of its slot has stopped
+    waters.command(action="follow", boats=(1, 3, 4))  # a boat off its slot has stopped
     assert waters.command(action="loiter", boats=(2,))[0] == 0
     sail(waters, 5.0)
     assert waters.states == ["FORMATION", "LOITER", "FORMATION", "FORMATION"]
@@ -226,7 +226,7 @@ def test_a_boat_that_does_not_answer_the_stop_is_named(waters: Waters) -> None:
 def test_a_late_answer_to_an_earlier_order_ends_no_stop(
     waters: Waters, action: str, command: int, state: str
 ) -> None:
-    """Boat 2 answers ARM, or another mode, when the stop has gone out, which it misses for 2 s."""
+    """Boat 2 misses the stop for 2 s; its late answer to ARM or to another mode comes meanwhile."""
     answer = mavlink.MAVLink_command_ack_message(command, 0, 0, 0, 255, COMPONENT)
     late, send = answer.pack(mavlink.MAVLink(None, 2, 1)), Air.send
     sent_s: list[float] = []
@@ -270,7 +270,7 @@ def test_a_boat_that_answers_but_stays_armed_is_named(waters: Waters) -> None:
     ]
 
 
-def test_a_boat_of_which_only_acks_arrive_counts_as_stopped(waters: Waters) -> None:
+def test_a_boat_that_is_heard_only_by_its_acks_counts_as_stopped(waters: Waters) -> None:
     """Another boat forwards them, but no HEARTBEAT."""
     answer = mavlink.MAVLink_command_ack_message(400, 0, 0, 0, 255, COMPONENT)
     keep_saying(waters, answer.pack(mavlink.MAVLink(None, 9, 1)))

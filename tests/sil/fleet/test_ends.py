@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A station's links that end: they are told, and opened again."""
+"""A station's links that end: they are reported and opened again."""
 
 import os
 import select

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whom a station takes for a boat, and whose beacons count."""
+"""Systems that a station takes for boats, and beacons that count."""
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink

@@ -63,7 +63,7 @@ class Waters:
         return self.date_s
 
     def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
-        """Sail on for so long; the ends at which something came."""
+        """Sail on for that time; returns the ends that have received something."""
         for _ in range(max(1, round(1e6 * for_s / self.batch.h_us))):
             self.t_us += self.batch.h_us
             self.batch.tick(self.t_us)
@@ -151,7 +151,7 @@ def heard(waters: Waters, frame: bytes) -> None:
 
 
 def beacon_message(system: int, epoch: int, digest: int, component: int = 1) -> bytes:
-    """A FLEET_BEACON frame of who is neither fit nor leads."""
+    """A FLEET_BEACON frame of a boat that is not fit and does not lead."""
     payload = LAYOUTS[FLEET_BEACON].pack(0, epoch, digest, 0, 0, 0, 0).rstrip(b"\0")
     head = bytes([len(payload), 0, 0, 0, system, component]) + FLEET_BEACON.to_bytes(3, "little")
     crc = x25crc(head + payload + bytes([SEEDS[FLEET_BEACON]])).crc

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Columns that were smoothed, shifted or repeated are told; a plain log has nothing odd."""
+"""Columns that were smoothed, shifted or repeated are reported; a plain log has nothing odd."""
 
 from dataclasses import replace
 
@@ -39,7 +39,7 @@ def test_smoothing_from_both_sides_is_found_and_called_acausal() -> None:
 
 
 @pytest.mark.parametrize("samples", [-2, 1, 2])
-def test_a_yaw_rate_of_another_time_is_measured(samples: int) -> None:
+def test_the_time_shift_of_a_yaw_rate_column_is_measured(samples: int) -> None:
     log = plain(2)
     late = changed(log, R, np.roll(log.motion[:, R], samples))
     assert oddities.yaw_rate_age([late]) == pytest.approx(0.1 * samples, abs=0.03)

@@ -40,7 +40,7 @@ def sought() -> tuple[Problem, Point, Array]:
 
 
 @pytest.mark.parametrize("name", ["m33", "antenna_x", "late_rate", "compass_sin", "wind_n"])
-def test_a_term_changes_the_measurements_as_a_simulation_of_its_own_has_it(name: str) -> None:
+def test_a_changed_term_agrees_with_a_separate_simulation(name: str) -> None:
     problem, point, values = sought()
     out, steps = _perturbed(problem, point, values)
     k = INDEX[name]
@@ -54,7 +54,7 @@ def test_a_term_changes_the_measurements_as_a_simulation_of_its_own_has_it(name:
 
 
 @pytest.mark.parametrize("number", range(len(LOCAL)))
-def test_so_do_current_and_wind(number: int) -> None:
+def test_changed_current_and_wind_agree_with_a_separate_simulation(number: int) -> None:
     problem, point, values = sought()
     out, steps = _perturbed(problem, point, values)
     k = len(point.z) + number

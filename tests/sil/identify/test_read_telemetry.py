@@ -80,7 +80,7 @@ def check(log: VoyageLog, truth: VoyageLog, commands: float = 0.003) -> None:
     assert np.allclose(log.commands[:count], truth.commands[:count], atol=commands)
 
 
-def test_ardupilots_tlog_with_its_outputs_where_its_parameters_say(
+def test_ardupilots_tlog_is_read_with_the_outputs_named_by_its_parameters(
     truth: VoyageLog, tmp_path: Path
 ) -> None:
     told = [parameter("SERVO4_FUNCTION", 73.0), parameter("SERVO2_FUNCTION", 74.0)]
@@ -103,7 +103,7 @@ def can_log(truth: VoyageLog, rows: slice, port: int = 0, stbd: int = 1) -> str:
     return "".join(lines)
 
 
-def test_flotillads_logs_in_their_folder_with_a_leaders_motion_among_its_own(
+def test_flotillads_logs_are_read_from_their_folder_without_a_leaders_motion(
     truth: VoyageLog, tmp_path: Path
 ) -> None:
     vessel = mavlink.MAVLink_local_position_ned_message(0, 500.0, 0, 0, 0, 0, 0)
@@ -210,7 +210,7 @@ def dataflash(rows: list[tuple[Any, ...]]) -> bytes:
     return out
 
 
-def test_ardupilots_bin(truth: VoyageLog, tmp_path: Path) -> None:
+def test_ardupilots_dataflash_log_is_read(truth: VoyageLog, tmp_path: Path) -> None:
     vn, ve = over_ground(truth.motion)
     rows: list[tuple[Any, ...]] = [
         ("PARM", 1, b"SERVO1_FUNCTION", 74.0),

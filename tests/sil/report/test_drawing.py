@@ -8,7 +8,7 @@ from sil.report.drawing import Drawing, draw
 from tests.sil.report.test_run_report import made_up_run
 
 
-def test_pictures_are_those_that_are_drawn_here() -> None:
+def test_pictures_of_the_process_equal_those_drawn_directly() -> None:
     _, trace = made_up_run(ticks=200)
     limits_N = [(-1.0, 1.0), (-2.0, 2.0)]
     with Drawing() as drawing:
@@ -16,7 +16,7 @@ def test_pictures_are_those_that_are_drawn_here() -> None:
         assert drawing.pictures() == draw("pair", trace, limits_N)
 
 
-def test_process_that_was_killed_is_stood_in_for() -> None:
+def test_pictures_are_drawn_even_if_the_drawing_process_was_killed() -> None:
     _, trace = made_up_run(ticks=200)
     with Drawing() as drawing:
         drawing.begin("pair", trace, [])

@@ -98,7 +98,7 @@ def test_leader_that_stops_to_the_end_of_the_run_counts_and_one_that_never_stops
 
 
 @pytest.mark.parametrize("until_s", [20, 300])
-def test_deviation_is_that_of_the_boat_axis_and_second_that_deviate_most(until_s: int) -> None:
+def test_deviation_is_the_largest_over_all_boats_axes_and_seconds(until_s: int) -> None:
     t_s: Array = 0.5 * np.arange(2 * until_s + 1, dtype=np.float64)
     columns = [[f"ex{i}_m", f"ey{i}_m", f"epsi{i}_rad"] for i in range(1, 5)]
     whole = np.array([[REFERENCE[column] for column in boat] for boat in columns])

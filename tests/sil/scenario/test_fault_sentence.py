@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the terminal says of a scenario's faults."""
+"""The terminal's sentence for a fault of a scenario."""
 
 from sil.scenario.sections import Fault
 

@@ -42,7 +42,7 @@ def test_override_of_the_law_chooses_the_hulls_gains_as_the_option_does() -> Non
         assert by_key.parameters == by_option.parameters
 
 
-def test_boat_has_its_own_hull_whole(tmp_path: Path) -> None:
+def test_a_boats_own_hull_replaces_the_fleets_hull_completely(tmp_path: Path) -> None:
     text = 'base = "diamond"\nhull = "otter"\n[boat.2]\nhull = "heron"\nvessel.d22 = 20\n'
     fleet = written(tmp_path, text)
     heron = fleet.vessels()[2]

@@ -15,7 +15,7 @@ from sil.scenario.law import Law
 GAINS = {"LAW_KX": 0.2, "LAW_KPSI": 0.2, "LAW_KDU": 10.0, "LAW_KDR": 10.0}
 EXTENSIONS = ("LAW_OBS_BW", "LAW_XT_DIST", "LAW_CUR_BW", "LAW_U_MAX", "LAW_R_MAX", "LAW_REF")
 PAPER = {**GAINS, **dict.fromkeys(EXTENSIONS, 0.0)}
-JUDGED = {"FS_SLOT_M": 0.0, "FS_SEP_M": 0.0}  # nobody says how far the paper's boats may be off
+JUDGED = {"FS_SLOT_M": 0.0, "FS_SEP_M": 0.0}  # the paper states no limit for its boats' errors
 
 ONE_BOAT = """\
 duration_s = 10.0
@@ -72,7 +72,7 @@ def test_a_scenarios_gains_lie_over_its_law(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("law_key", ["", 'law = "paper"', 'law = "product"'])
-def test_another_law_takes_the_place_of_the_scenarios_but_for_its_vessels_gains(
+def test_another_law_replaces_the_scenarios_but_keeps_its_vessels_gains(
     tmp_path: Path, law_key: str
 ) -> None:
     kept = {"LAW_KDU": 80.0, "LAW_KDR": 90.0}

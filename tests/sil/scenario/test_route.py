@@ -178,7 +178,7 @@ def test_five_boats_abreast_keep_their_slots_around_the_square(square: Run) -> N
     assert error.max() < 0.25
 
 
-def test_they_stay_in_formation_despite_the_bad_radio(square: Run) -> None:
+def test_the_boats_stay_in_formation_despite_the_bad_radio(square: Run) -> None:
     for seconds in square.states:
         assert seconds["FORMATION"] > 0.95 * sum(seconds.values())
 

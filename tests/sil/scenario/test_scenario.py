@@ -303,7 +303,7 @@ LAW_KX = 0.3
 """
 
 
-def test_a_scenario_over_a_base_is_the_base_but_for_its_own_keys(tmp_path: Path) -> None:
+def test_a_scenario_with_a_base_equals_the_base_except_for_its_own_keys(tmp_path: Path) -> None:
     own, diamond = load(written(tmp_path, OVER_DIAMOND)), load("diamond")
     assert (own.name, own.duration_s) == ("pair", 20)
     assert own.leader.input == diamond.leader.input
@@ -319,7 +319,7 @@ def test_units_have_the_boats_settings_except_for_their_own_keys(tmp_path: Path)
     assert own.leader_unit() == Settings(100.0, "global")
     assert own.boat_unit(own.boat[0]) == Settings(100.0, "odometry")
     assert own.boat_unit(own.boat[1]) == Settings(5.0, "odometry")
-    # What the virtual leader says is its own affair, at the rate of all.
+    # The virtual leader has its own kind of message, but the rate of all units.
     slow = load("diamond", ["navigation.message='odometry'", "navigation.rate_hz=20"])
     assert slow.leader_unit() == Settings(20.0, "local")
     late = load("diamond", ["navigation.delay_s=0.2", "boat.2.navigation.timesync=false"])

@@ -72,7 +72,7 @@ def test_without_errors_the_boat_is_where_the_planner_alone_says() -> None:
     assert np.abs(np.diff(speed)).max() < 0.02  # no jumps when the boat tells its time
 
 
-def test_it_waits_while_nobody_sails() -> None:
+def test_the_plan_waits_while_the_boat_that_leads_is_in_hold() -> None:
     fault = 'fault=[{kind="own_silent", agent=1, at_s=20.0}]'
     run = sailed(fault)
     eta = run.trace["eta"][:, 0, :2]

@@ -14,7 +14,7 @@ from sil.wire.mavlink_ear import Ear
 from tests.target.stations import Station
 
 Told = list[dict[str, Any]]
-# What a run says in a second: number of the tick, what each agent says over the radio, the truth.
+# Called at each tick with its number, each agent's bytes on the radio, and the true poses.
 Look = Callable[[int, list[bytes], Array], None]
 
 BEAT = mavlink.MAVLink_heartbeat_message(

@@ -320,7 +320,7 @@ def test_page_says_that_the_view_went_away_and_goes_on_when_it_is_back(browser: 
     with feeding(fleet(3), port):
         browser.until(LIVE)
         browser.until("return document.querySelectorAll('.card').length === 4")
-        # the view counts from 0 again: what was before is no past of this
+        # the view counts from 0 again: earlier samples do not belong to this history
         assert browser.run("return flotilla.source.track('1').t[0] < 400")
     assert all("WebSocket connection" in text for text in browser.errors())
     browser.forget()
@@ -389,7 +389,7 @@ def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:
     browser.until("return flotilla.plots.charts.error.data.datasets.length === 40")
 
 
-def test_a_vessel_that_is_followed_to_where_no_metre_counts_does_not_stop_the_page(
+def test_following_a_vessel_to_an_extreme_position_does_not_stop_the_page(
     browser: Browser, four: Feeder
 ) -> None:
     shown(browser, four)
@@ -420,6 +420,6 @@ def test_old_places_and_lines_of_silent_boats_are_not_shown_as_new(browser: Brow
             const [x, y] = camera.at(v.x_m, v.y_m).map((at) => Math.round(at * ratio));
             return [...ctx.getImageData(x, y, 1, 1).data].join();
           })"""
-        # the boat's own colour fills the hull of the one alone whose place is new
+        # only the hull of the boat with a new position is filled with its own colour
         one, two, three = browser.run(hulls)
         assert one == two != three

@@ -75,7 +75,7 @@ def test_the_view_can_hold_fleet_and_plans(browser: Browser, four: Feeder) -> No
 @pytest.mark.parametrize(
     "plans", [None, 7, [], {"1": None}, {"1": {"way": [[1]], "fence": [None, {}], "rally": 3}}]
 )
-def test_a_plan_that_is_none_is_left_out(browser: Browser, four: Feeder, plans: object) -> None:
+def test_an_invalid_plan_is_left_out(browser: Browser, four: Feeder, plans: object) -> None:
     assert "plan of" not in seen(browser, four, plans, item="x")
 
 

@@ -247,7 +247,7 @@ def test_run_that_diverged_is_shown_up_to_there(browser: Browser, tmp_path: Path
     assert browser.run(AT, 2)["x_m"] is not None
 
 
-def test_history_of_nothing_is_an_empty_page(browser: Browser, tmp_path: Path) -> None:
+def test_an_empty_history_gives_an_empty_page(browser: Browser, tmp_path: Path) -> None:
     nothing = {"title": "nothing", "t_s": history.column([]), "vessels": []}
     path = tmp_path / "page.html"
     path.write_text(page.page_with(nothing, "nothing"), encoding="utf-8")

@@ -92,7 +92,7 @@ def test_real_boats_move_and_their_lost_leader_is_seen(browser: Browser, lost: S
     with shown(browser, f"udpin:{LOOPBACK}:{port}", "--length", "1.2"):
         browser.until(LIVE)
         assert "nothing" in browser.run("return document.body.innerText").lower()
-        # the radio of a leader whose own receiver hears it not is silent for the view too
+        # once the leader's radio is silent, the view must not hear it either
         with saying(port, silenced(lost, 100, 4.0)):
             for number in (1, 2, 3, 4):
                 browser.until(STATE, f"Boat {number}", "FORMATION")

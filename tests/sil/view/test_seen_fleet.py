@@ -316,7 +316,7 @@ def test_beside_another_autopilot_the_state_is_the_companions() -> None:
 
 
 @pytest.mark.parametrize("message", ["odometry", "global", "follow_target"])
-def test_a_leader_is_where_it_is_whatever_it_says_it_by(message: str) -> None:
+def test_a_leaders_position_is_right_with_every_kind_of_message(message: str) -> None:
     view, worst = Listening(), [0.0]
 
     def look(k: int, chunks: list[bytes], eta: Array) -> None:
@@ -424,7 +424,7 @@ def test_impossible_numbers_count_as_unknown() -> None:
     assert [vessel[name] for name in unknown] == [None] * 7 and vessel["held"] == ()
 
 
-def test_every_system_id_there_is_is_shown_and_random_messages_break_nothing() -> None:
+def test_boats_of_every_system_id_are_shown_and_random_messages_break_nothing() -> None:
     rng, view = random.Random(3), Listening()
     kinds = [dialect().mavlink_map[number] for number in dialect().mavlink_map]
     for step in range(3000):

@@ -274,7 +274,7 @@ def test_a_late_unit_answers_timesync_at_once_and_one_that_is_deaf_to_it_never()
         assert [m.get_type() for m in messages].count("TIMESYNC") == answers
 
 
-def test_a_unit_drops_out_for_so_long_every_so_often() -> None:
+def test_a_unit_drops_out_with_the_given_period_and_duration() -> None:
     settings = Settings(20.0, dropout_every_s=2.0, dropout_s=0.5)
     dropping = NavigationUnit(2, 201, vehicle_type=0, origin=ORIGIN, settings=settings)
     told = []

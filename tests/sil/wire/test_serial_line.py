@@ -24,7 +24,7 @@ def device() -> Iterator[str]:
     os.close(slave)
 
 
-def test_a_line_that_a_program_has_is_busy_until_that_closes_it(device: str) -> None:
+def test_an_open_serial_line_is_busy_for_others_until_it_is_closed(device: str) -> None:
     line = open_line(*line_of(device))
     with pytest.raises(OSError, match="busy") as error:
         open_line(*line_of(device), os.O_RDWR)
