@@ -18,8 +18,9 @@ using Harbour = testing::Harbour<S>;
 constexpr link::SigningKey kKey{1, 2, 3};
 constexpr std::int64_t kUnix_us = 1'800'000'000'000'000;
 
-TEST_CASE_TEMPLATE("the bus goes down: FAULT within a tick, until it is up and a disarm was asked",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "the CAN bus goes down: FAULT within a tick, until the bus is up and the operator disarms", S,
+    float, double) {
   Harbour<S> h;
   h.cast_off();
   h.boat.on_host({.bus_up = false});
@@ -221,8 +222,9 @@ TEST_CASE_TEMPLATE("values that a slow link cannot carry at once are sent in lat
   }
 }
 
-TEST_CASE_TEMPLATE("a moved origin is sent as it is now, also where a link had no credit for it", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "after the origin moves, only the new one is sent, even on a link that had no credit then", S,
+    float, double) {
   constexpr std::int32_t kMoved = 410'000'005;  // half a metre: the boat can be there
   int told = 0;
   for (int k = 10; k < 90; ++k) {
@@ -252,8 +254,9 @@ TEST_CASE_TEMPLATE("node ids assigned earlier stay assigned", S, float, double) 
   CHECK(h.boat.node_ids().table().size() == 1);
 }
 
-TEST_CASE_TEMPLATE("a host's clock that was set back by an hour is followed after a second", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "host's clock set back by an hour: FAULT, and after a second the boat follows the new time", S,
+    float, double) {
   constexpr std::int64_t kHour_us = 3'600'000'000;
   Harbour<S> h;
   h.now_us = 2 * kHour_us;

@@ -31,7 +31,7 @@ std::optional<link::EscStatus> esc(float voltage, float current) {
   return status;
 }
 
-TEST_CASE("the battery has the lower of two voltages and gives both currents") {
+TEST_CASE("the battery message has the lower of two voltages and the sum of both currents") {
   const auto battery = battery_of(esc(12.6F, 3), esc(12.4F, 4.5F));
   CHECK(battery.voltages[0] == 12'400);
   CHECK(battery.current_battery == 750);
@@ -114,7 +114,7 @@ struct Scene {
 
 double turn_between(double a, double b) { return std::remainder(a - b, 2 * kPi); }
 
-TEST_CASE("a propeller's thrust is dead below THR_DEAD, of each direction's own greatest thrust") {
+TEST_CASE("thrust below THR_DEAD is dead, as a share of the greatest thrust in its own direction") {
   Configuration::Propulsion p;
   p.ahead_N = 50;
   p.astern_N = 20;

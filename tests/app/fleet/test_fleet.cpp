@@ -173,7 +173,7 @@ TEST_CASE("a beacon delayed by a slower link does not depose the leader") {
   }
 }
 
-TEST_CASE("a member that leads by a table unknown to all others is believed for ten seconds") {
+TEST_CASE("a member that leads by a table unknown to all others is followed for only ten seconds") {
   Harbour harbour = under_way();
   harbour.boats[3].on = false;
   link::FleetBeacon beacon{};
@@ -302,7 +302,8 @@ TEST_CASE("two boats that lead and do not hear each other: one yields within two
   CHECK(harbour.leader_of(3) == 1);
 }
 
-TEST_CASE("a boat that does not hear its own leader, now the fleet's, follows a boat that does") {
+TEST_CASE(
+    "its own leader now leads the fleet, but a boat cannot hear it: it follows a boat that can") {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(3);

@@ -412,7 +412,7 @@ void check(const Limits& limits) {
   CHECK(found.broken.stop_lost == 0);
 }
 
-TEST_CASE("no history of failures and of the radio makes two leaders, or loses a stop") {
+TEST_CASE("no sequence of boat and radio failures leads to two leaders, or loses a stop") {
   check({.failures = 2, .deafs = 0, .splits = false, .reports = false, .last = 1});
   check({.boats = 3, .failures = 1, .deafs = 0, .reports = false, .last = 1});
   check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .last = 1, .states = 100'000});
@@ -427,7 +427,7 @@ TEST_CASE("no history of failures and of the radio makes two leaders, or loses a
   check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .first = 2, .states = 3'000'000});
 }
 
-TEST_CASE("the search finds deliberate mistakes") {
+TEST_CASE("the search finds mistakes that were built into the rule on purpose") {
   for (const Bug bug :
        {Bug::kNeverYields, Bug::kTakesOldTables, Bug::kLeaderIgnoresStop, Bug::kNeverSilent}) {
     CAPTURE(static_cast<int>(bug));

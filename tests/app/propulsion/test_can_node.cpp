@@ -147,7 +147,8 @@ TEST_CASE("echoes of our own frames, and anonymous frames, are not taken for an 
   CHECK_FALSE(node.esc_online(1, 0, kLimit_us));
 }
 
-TEST_CASE("a bus stop switch is pressed while it reports so, and when a safety switch is silent") {
+TEST_CASE(
+    "a stop switch counts as pressed while it reports so, and when a safety switch falls silent") {
   CanNode node({20, 1}, 0);
   link::Counters counters;
   std::uint8_t tail = 0xC0;

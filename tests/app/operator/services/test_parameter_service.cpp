@@ -249,7 +249,7 @@ TEST_CASE("a stranger sets no parameter where only one ground station may comman
   CHECK(boat.set("LAW_KX", 1).outcome == Outcome::kSet);
 }
 
-TEST_CASE("no boat follows itself: not under the id that it took, nor under the one it will have") {
+TEST_CASE("a boat cannot follow itself, neither by the id in use nor by the configured one") {
   Boat companion;  // MAV_SYSID 1 is configured; the autopilot's id, 42, is in use
   companion.system = 42;
   CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kRefused);
