@@ -82,8 +82,8 @@ TEST_CASE("from any start around a leader at rest boats reach their slots and st
 }
 
 TEST_CASE_TEMPLATE(
-    "near its slot, and without LAW_XT_DIST or LAW_KX anywhere, it does not approach", S, float,
-    double) {
+    "a boat near its slot, or with LAW_XT_DIST or LAW_KX at 0, does not start an approach", S,
+    float, double) {
   auto params = testing::products_law<S>();
   for (const double abeam : {0.3, 1.0, 1.4})
     CHECK_FALSE(lie(at<S>(0, abeam, 0), 20, params).started);
