@@ -30,7 +30,7 @@ void check_same(double got, double expected) {
   }
 }
 
-TEST_CASE("every RawCommand of the vectors is read and written as it is there") {
+TEST_CASE("every RawCommand of the test vectors is decoded and encoded exactly") {
   for (const vectors::Values& v : vectors::kRawCommands) {
     CAPTURE(v.payload);
     const auto message = read_raw_command(bytes_of(v.payload));
@@ -41,7 +41,7 @@ TEST_CASE("every RawCommand of the vectors is read and written as it is there") 
   }
 }
 
-TEST_CASE("every esc.Status of the vectors is read and written as it is there") {
+TEST_CASE("every esc.Status of the test vectors is decoded and encoded exactly") {
   for (const vectors::Values& v : vectors::kEscStatuses) {
     CAPTURE(v.payload);
     const auto message = read_esc_status(bytes_of(v.payload));
@@ -57,7 +57,7 @@ TEST_CASE("every esc.Status of the vectors is read and written as it is there") 
   }
 }
 
-TEST_CASE("every NodeStatus and ArmingStatus of the vectors is read and written as it is there") {
+TEST_CASE("every NodeStatus and ArmingStatus of the test vectors is decoded and encoded exactly") {
   for (const vectors::Values& v : vectors::kNodeStatuses) {
     CAPTURE(v.payload);
     const auto message = read_node_status(bytes_of(v.payload));

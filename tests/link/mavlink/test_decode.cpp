@@ -74,7 +74,7 @@ TEST_CASE("all messages in one chunk arrive, in order") {
 
 // One in some thousands is an exception: noise that ends like the header of a message unknown here,
 // whose end falls by chance on a start byte within the good message.
-TEST_CASE("whatever noise comes before a good message, it is delivered") {
+TEST_CASE("a good message is delivered, whatever noise comes before it") {
   constexpr std::uint32_t kSeed = 45;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -152,7 +152,7 @@ bool is_plain(std::span<const std::uint8_t> frame) {
   return std::ranges::none_of(frame.subspan(1), [](auto b) { return b == 0xFD || b == 0xFE; });
 }
 
-TEST_CASE("behind a truncated message all others are found once it is abandoned, at any byte") {
+TEST_CASE("once a message truncated at any byte is abandoned, all messages after it are found") {
   constexpr std::uint32_t kSeed = 50;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
