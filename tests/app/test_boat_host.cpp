@@ -199,7 +199,7 @@ TEST_CASE_TEMPLATE("a limited link carries less telemetry, the others as much as
 TEST_CASE_TEMPLATE("values that a slow link cannot carry at once are sent in later ticks, in order",
                    S, float, double) {
   Parameters p;
-  p.FS_SEP_M = 0;  // DEPTH is told first of all
+  p.FS_SEP_M = 0;  // DEPTH is sent before all others
   Harbour<S> h(p, 2);
   h.boat.limit_link(1, 300);
   h.sail(5);
@@ -225,7 +225,7 @@ TEST_CASE_TEMPLATE("values that a slow link cannot carry at once are sent in lat
 TEST_CASE_TEMPLATE(
     "after the origin moves, only the new one is sent, even on a link that had no credit then", S,
     float, double) {
-  constexpr std::int32_t kMoved = 410'000'005;  // half a metre: the boat can be there
+  constexpr std::int32_t kMoved = 410'000'005;  // 6 cm: a plausible place of the boat
   int told = 0;
   for (int k = 10; k < 90; ++k) {
     Parameters p;

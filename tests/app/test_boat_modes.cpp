@@ -32,7 +32,7 @@ TEST_CASE_TEMPLATE("in MANUAL the sticks drive, and without them both propellers
   h.mode(mode::kManual);
   for (int k = 0; k < 60; ++k) step_with_sticks(h, 500, 0);
   CHECK(h.boat.state() == State::kManual);
-  CHECK(h.stopped());  // the sticks were not at neutral yet
+  CHECK(h.stopped());  // the sticks have not been at neutral yet
   step_with_sticks(h, 0, 0);
   for (int k = 0; k < 60; ++k) step_with_sticks(h, 500, 0);
   CHECK(h.raw.cmd[0] > 3000);

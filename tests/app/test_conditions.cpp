@@ -103,7 +103,7 @@ TEST_CASE("home is the first position after arming that the navigation unit repo
   CHECK_FALSE(watch.limits.home());
   watch.seen.armed = true;
   watch.pass(1);
-  CHECK_FALSE(watch.inside());  // of a fence without a centre
+  CHECK_FALSE(watch.inside());  // the fence has no centre yet
   watch.seen.sure = true;
   watch.at(0);
   watch.pass(0.01);

@@ -153,7 +153,7 @@ TEST_CASE(
       fine.h = kH / 8;
       const double step = largest_step(sail(steered(d, true), coarse));
       CHECK(step < 0.15);
-      // A leap would be as large in finer steps.
+      // With finer steps a jump would not become smaller.
       CHECK(largest_step(sail(steered(d, true), fine)) < 0.3 * step);
     }
   }

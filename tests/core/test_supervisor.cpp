@@ -276,7 +276,7 @@ TEST_CASE("the lost condition is named when the boat changes its state automatic
   CHECK(lost(State::kCoast, 0).missing == 0);
 }
 
-/// The specification of the reactions, from what is lost to what follows.
+/// The specification of the reactions: from each lost condition to the boat's response.
 Reaction chosen(const Choices& choices, State state, Conditions met) {
   const World is(met);
   const bool behind = state == State::kFormation || state == State::kCoast;

@@ -234,7 +234,7 @@ struct Found {
       const Node repaired{before.state, Esc::kOnline, 0, before.coast, before.test};
       seen.not_back_to_the_start +=
           code_of(tick_of(repaired, Request::kDisarm, choices).after) != code_of(Node{});
-      // Only the propellers are repaired: it is driven home, from FAULT and wherever it was.
+      // Only the propellers are repaired: the boat can be driven home from FAULT or any state.
       Node home{before.state, Esc::kOnline, before.wrong & kHarmless, before.coast, before.test};
       for (const Request ask : {Request::kDisarm, Request::kArm}) {
         home = tick_of(home, ask, choices).after;

@@ -102,7 +102,7 @@ struct Scene {
   double boat_n, boat_e, psi, slot_n, slot_e, slot_psi;
 
   OwnState state() const {
-    // Part of the displacement happened after the last position.
+    // The boat has covered part of the displacement since its last position.
     return own_state_of<double>({boat_n - 1.5, boat_e + 0.5}, {{1.5, -0.5}, psi, {}, {}});
   }
   core::Error<double> error() const {
@@ -224,11 +224,11 @@ TEST_CASE_TEMPLATE("the state sent globally and read by a follower is the same s
     const Sample local = in_plane(*sample, kOrigin);
     CHECK(std::abs(convert::number(local.north_m) - 3000.5) < 0.006);
     CHECK(std::abs(convert::number(local.east_m) + 2000.25) < 0.006);
-    CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // a centimetre a second is the step of one
+    CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // one of the two messages has steps of 1 cm/s
     CHECK(std::abs(local.v_mps + 0.2) < 0.008);
     CHECK(local.r_radps == doctest::Approx(0.3));
   }
-  // ATTITUDE counts from the north of the local frame, these two from the true north.
+  // ATTITUDE's heading is relative to the local frame's north; these two use true north.
   const double turn = global_of({3000.5, -2000.25, kOrigin}).turn_rad;
   CHECK(turn == doctest::Approx(3.57e-4).epsilon(0.01));
   CHECK(own_heading_of(target)->psi_rad == doctest::Approx(2.5 - turn));

@@ -196,7 +196,7 @@ TEST_CASE("a member that leads by a table unknown to all others is followed for 
   CHECK(harbour.leader_of(2) == 2);
   CHECK(harbour.leader_of(1) == 1);
   harbour.hear(0, message_of(table_of_four(2), 0), kOperator);
-  repeat(50);  // a new table does not make it credible
+  repeat(50);  // boat 4 is still ignored after a new table
   CHECK(harbour.boats[0].state == core::State::kAuto);
   CHECK(harbour.leader_of(1) == 1);
 }
@@ -374,7 +374,7 @@ TEST_CASE("a stop is ordered once, also to a boat in HOLD or under an RC pilot")
   }
   for (int tick = 0; tick < 100; ++tick) {
     harbour.sail(0.01);
-    harbour.boats[2].state = core::State::kManual;  // as by an RC pilot's switch
+    harbour.boats[2].state = core::State::kManual;  // as an RC pilot's switch does
   }
   for (const Boat& boat : harbour.boats) CHECK(boat.stops == 1);
 }

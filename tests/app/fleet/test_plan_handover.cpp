@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who takes over knows whether the fleet sails its plan, and where it is in it.
+// A boat that takes over knows whether the fleet sails its plan, and the fleet's place in it.
 #include <doctest/doctest.h>
 
 #include <initializer_list>

@@ -167,7 +167,7 @@ TEST_CASE("a leader with outdated data is dropped, and used again only after som
   };
   CHECK(hear(10 * kSecond_us, 2'900'000));
   CHECK_FALSE(hear(11 * kSecond_us, 3'100'000));
-  CHECK_FALSE(hear(12 * kSecond_us, 2'500'000));  // younger, but not young enough
+  CHECK_FALSE(hear(12 * kSecond_us, 2'500'000));  // less old, but still too old
   for (int s = 13; s < 16; ++s) CHECK_FALSE(hear(s * kSecond_us, 2'000'000));
   CHECK(hear(16 * kSecond_us, 2'000'000));
   CHECK(hear(17 * kSecond_us, 2'900'000));

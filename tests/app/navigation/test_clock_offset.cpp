@@ -165,8 +165,7 @@ struct Late {
     return us + static_cast<std::int64_t>(drift * static_cast<double>(us)) +
            (us < set_us ? 0 : ahead_us);
   }
-  /// Excess of the true age of a message that arrives now over its greatest possible age by the
-  /// clock.
+  /// The true age of a message that arrives now, minus the greatest age that the clock allows.
   std::int64_t missing_us() const {
     return theirs(now_us - to_us) + *clock.least_us() - (now_us - to_us);
   }

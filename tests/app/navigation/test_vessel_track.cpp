@@ -464,7 +464,7 @@ TEST_CASE_TEMPLATE("after a reboot, the old origin is not used, whichever source
     CHECK(believed > 15);
     CHECK(w.track.position().east_m == 0.5F);
     w.hear(kOrigin, w.now_us + 4'000'000);
-    CHECK_FALSE(w.track.has_origin());  // the place from there is to be compared with the last one
+    CHECK_FALSE(w.track.has_origin());  // until its next place is compared with the last one
     const std::int64_t next_us = 4'100'000;
     w.hear(link::Attitude{convert::boot_ms(next_us), 0, 0, 0, 0, 0, 0}, w.now_us + next_us);
     w.hear(local_at(next_us, 0.5F), w.now_us + next_us);

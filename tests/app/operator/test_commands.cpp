@@ -239,7 +239,7 @@ TEST_CASE("an interval is −1, 0 or a number of microseconds; any other value i
   CHECK(interval(-1).rate->interval_us == -1);
   CHECK(interval(0).rate->interval_us == 0);
   CHECK(interval(100'000).rate->interval_us == 100'000);
-  CHECK(interval(0.25F).rate->interval_us == 1);  // fast, not the default
+  CHECK(interval(0.25F).rate->interval_us == 1);  // the fastest, not the default
   CHECK(interval(1e6F).rate->id == 30);
   CHECK_FALSE(interval(1e6F).reads_only());
   for (const float us : {-2.0F, -1.001F, 1e10F, NAN, INFINITY, -INFINITY})

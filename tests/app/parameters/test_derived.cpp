@@ -133,7 +133,7 @@ TEST_CASE("each kind of gain conflict is reported with its time constants") {
   CHECK(found->time_s == doctest::Approx(41.45 / 1262));
   CHECK(damping(41.45, 62, 41.45 / found->allowed_s - 62, 0.118) == doctest::Approx(0.5));
   CHECK(found->more);
-  p.THR_LAG = -1;  // its limit on the gains is unknown
+  p.THR_LAG = -1;  // lag unknown, and so is its limit on the gains
   CHECK_FALSE(gain_fault(p));
   p = fits;
   p.VES_D33 = 5;

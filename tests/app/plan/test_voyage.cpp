@@ -117,7 +117,7 @@ TEST_CASE(
     CHECK(std::abs(step.port) <= 100);
     CHECK(std::abs(step.stbd) <= 100);
     if (step.manoeuvre == kStraight) courses.insert(step.eighths_turn);
-    // Each turn to one side has its mirror image to the other.
+    // Each turn to one side has a mirror image to the other side.
     const auto twin = [&](const VoyageStep& other) {
       return other.manoeuvre == step.manoeuvre && other.port == step.stbd &&
              other.stbd == step.port;

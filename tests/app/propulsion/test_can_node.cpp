@@ -174,7 +174,7 @@ TEST_CASE(
   CHECK(node.stop_pressed(62'000'001));
   const std::array<std::uint8_t, 2> off{255, tail};
   node.on_frame(0x1000003DU | safety << 8U, off, 62'000'000, counters);
-  CHECK(node.stop_pressed(62'000'001));  // another switch that is off counts for itself only
+  CHECK(node.stop_pressed(62'000'001));  // another switch that is off does not replace it
 }
 
 TEST_CASE("any frames crash nothing and put no ESC online") {

@@ -196,7 +196,7 @@ TEST_CASE("every function is within 0.7 LSB of the C library's, whatever the arg
       worst = std::max(worst, error_lsb(function, raw));
     }
     CHECK(worst < 0.7L);
-    CHECK(worst > 0.4L);  // or the oracle has seen nothing
+    CHECK(worst > 0.4L);  // otherwise the oracle checked nothing
   }
 }
 

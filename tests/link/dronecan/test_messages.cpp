@@ -15,7 +15,7 @@ using vectors::bytes_of;
 template <class Message>
 Bytes written(const Message& message) {
   Payload out;
-  out.fill(0xA5);  // what was there before must not shine through
+  out.fill(0xA5);  // earlier contents must not remain
   const std::size_t size = write_payload(message, out);
   return {out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size)};
 }

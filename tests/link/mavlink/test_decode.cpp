@@ -28,7 +28,7 @@ std::size_t count_of(const std::vector<Received>& got, const Message& message) {
       got, [&](const Received& r) { return fields_of(r.message) == fields; }));
 }
 
-/// Longer than any frame that damage may have announced.
+/// Longer than any frame, even one whose length is damaged.
 const Bytes kQuiet(300, 0);
 
 TEST_CASE("a message split at any byte, or byte by byte, arrives once and with its last byte") {
@@ -275,7 +275,7 @@ TEST_CASE("whatever noise is abandoned, and when, every byte is counted and none
       decoder.give_up(counters);
       read();
     }
-    // Frames taken for messages of another dialect count as neither.
+    // Frames that look like messages of another dialect are in neither count.
     REQUIRE(in_frames + counters.mavlink_skipped_bytes <= bytes);
     if (counters.mavlink_unknown == 0) REQUIRE(in_frames + counters.mavlink_skipped_bytes == bytes);
   }

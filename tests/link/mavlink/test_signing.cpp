@@ -171,7 +171,7 @@ TEST_CASE("a pymavlink sender that receives nothing is accepted all day, with la
     boat.set_clock(kNow + minute * 59 * kSecond);
     REQUIRE(boat.check(sender.frame(stamp += minute % 10 == 0 ? 500 : 1)) == kGood);
   }
-  boat.set_clock(kNow + 24 * 3600 * kSecond);  // after a silence it would have to hear the time
+  boat.set_clock(kNow + 24 * 3600 * kSecond);  // after a silence it must learn the time first
   CHECK(boat.check(sender.frame(stamp + 1)) == kStale);
   CHECK(boat.check(sender.frame(kNow + 24 * 3600 * kSecond)) == kGood);
 }
@@ -352,7 +352,7 @@ TEST_CASE("a restart makes no recorded message valid again, and a sender is obey
   for (std::uint64_t s = 0; s < 59; ++s) REQUIRE(boat.check(sender.frame(kNow + s)) == kGood);
   boat.start(counting_key(), kNow + 2 * kSecond, kNow + kSecond);
   for (std::uint64_t s = 0; s < 59; ++s) CHECK(boat.check(sender.frame(kNow + s)) == kStale);
-  CHECK(boat.check(Sender{{1, 190}, 8}.frame(kNow + kSecond)) == kStale);  // on no other link
+  CHECK(boat.check(Sender{{1, 190}, 8}.frame(kNow + kSecond)) == kStale);  // nor on another link
   // A stop is obeyed at any age, but admits no other old message.
   CHECK(boat.take_exemption(sender.frame(kNow - kDay), Heartbeat{}));
   CHECK(boat.check(sender.frame(kNow + 58)) == kStale);

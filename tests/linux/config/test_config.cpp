@@ -32,7 +32,7 @@ std::string mistake(const std::vector<const char*>& options) {
   return ending.text;
 }
 
-/// boat.toml with that text.
+/// A boat.toml with the given text.
 struct File {
   Scratch folder;
   std::string path = (folder / "boat.toml").string();

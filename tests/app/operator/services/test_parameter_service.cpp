@@ -256,7 +256,7 @@ TEST_CASE("a boat cannot follow itself, neither by the id in use nor by the conf
   check_refusal(companion, *find_parameter("FORM_LEADER"), mav::kParamOutOfRange);
   CHECK(companion.set("FORM_LEADER", 1).outcome == Outcome::kRefused);
   CHECK(companion.set("FORM_LEADER", 43).outcome == Outcome::kSet);
-  companion.values.FORM_LEADER = 42;  // it was so when the id was taken: the operator may go on
+  companion.values.FORM_LEADER = 42;  // already set when the id was taken: it may stay
   CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kUnchanged);
   CHECK(companion.set("LAW_KX", 0.5F).outcome == Outcome::kSet);
   CHECK(companion.set("FORM_LEADER", 100).outcome == Outcome::kSet);
