@@ -150,7 +150,7 @@ TEST_CASE("a vessel at an uncertain position is passed at a greater distance") {
   CHECK(least[1] > least[0] + 1.5);
 }
 
-TEST_CASE("a boat without limits of speed and yaw rate yields at one least distance per second") {
+TEST_CASE("a boat without limits of speed and yaw rate yields at its least distance per second") {
   const VirtualVelocityParams<double> none{0.2, 0.5, 0, 0}, some{0.2, 0.5, 0.9, 0.4};
   const SeparationParams<double> apart{2};
   const Vec2<double> slot = {0.5, 0}, far = {0, 20}, near = {0, 0.5};

@@ -286,8 +286,8 @@ link::GpsGlobalOrigin origin_at(double latitude_deg, double longitude_deg) {
           static_cast<std::int32_t>(std::lround(longitude_deg * 1e7)), 0, 0};
 }
 
-/// A leader at (north, east) of its own plane, seen from another origin. The last three numbers come
-/// from geodesics that were integrated numerically, as in tests/sil/wire/test_geodesy.py.
+/// A leader at (north, east) of its own plane, seen from another origin. The last three numbers
+/// come from geodesics that were integrated numerically, as in tests/sil/wire/test_geodesy.py.
 struct TwoOrigins {
   link::GpsGlobalOrigin own, leader;
   double north_m, east_m;

@@ -87,7 +87,8 @@ double off_m(const Boat<S>& boat, std::int64_t us) {
   return std::hypot(north, east);
 }
 
-/// Boats in a line behind the root; each hears its neighbours, delay_us late, with clocks hours apart.
+/// Boats in a line behind the root, with clocks hours apart; each hears its neighbours delay_us
+/// late.
 template <class S>
 struct Line {
   static constexpr std::int64_t kDelay_us = 150'000;

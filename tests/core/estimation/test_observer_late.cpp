@@ -113,7 +113,7 @@ TEST_CASE_TEMPLATE("before its first wrench a boat is assumed to have given none
 }
 
 TEST_CASE_TEMPLATE(
-    "with the paper's gains, fixes up to 0.3 s late move a boat's path by less than 0.3 m", S,
+    "with the paper's gains, fixes up to 0.3 s late move a boat's last place by less than 0.3 m", S,
     float, double) {
   testing::ProductParams<S> params;  // LAW_OBS_BW 0, LAW_CUR_BW 0
   params.law = testing::papers_controller<S>();
