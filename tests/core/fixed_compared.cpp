@@ -8,9 +8,9 @@
 //
 // Functions of one number take COUNT arguments in equal steps through their row's range, and each
 // number within 4096 LSB of 0. Functions of two take COUNT pairs within ±16384, whose sums
-// libfixmath can hold; half of the pairs have any magnitude. Left out: results beyond the range, where each
-// library saturates differently, and atan2(0, 0), for which libfixmath returns 0 or an arbitrary
-// number that depends on earlier calls.
+// libfixmath can hold; half of the pairs have any magnitude. Left out: results beyond the range,
+// where each library saturates differently, and atan2(0, 0), for which libfixmath returns 0 or an
+// arbitrary number that depends on earlier calls.
 #include <libfixmath/fix16.h>
 
 #include <algorithm>
