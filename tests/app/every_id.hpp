@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every message that a boat sends on request, as a second list, so that the loss of one from the
-// boat's own lists is noticed.
+// Every message that a boat sends on request. It is a second list, so that a test notices a message
+// that is missing from the boat's own lists.
 #pragma once
 
 #include <array>

@@ -18,8 +18,9 @@ using Harbour = testing::Harbour<S>;
 constexpr link::SigningKey kKey{1, 2, 3};
 constexpr std::int64_t kUnix_us = 1'800'000'000'000'000;
 
-TEST_CASE_TEMPLATE("the bus goes down: FAULT within a tick, until it is up and a disarm was asked",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "the CAN bus goes down: FAULT within a tick, until the bus is up and the operator disarms", S,
+    float, double) {
   Harbour<S> h;
   h.cast_off();
   h.boat.on_host({.bus_up = false});
@@ -198,7 +199,7 @@ TEST_CASE_TEMPLATE("a limited link carries less telemetry, the others as much as
 TEST_CASE_TEMPLATE("values that a slow link cannot carry at once are sent in later ticks, in order",
                    S, float, double) {
   Parameters p;
-  p.FS_SEP_M = 0;  // DEPTH is told first of all
+  p.FS_SEP_M = 0;  // DEPTH is sent before all others
   Harbour<S> h(p, 2);
   h.boat.limit_link(1, 300);
   h.sail(5);
@@ -221,9 +222,10 @@ TEST_CASE_TEMPLATE("values that a slow link cannot carry at once are sent in lat
   }
 }
 
-TEST_CASE_TEMPLATE("a moved origin is sent as it is now, also where a link had no credit for it", S,
-                   float, double) {
-  constexpr std::int32_t kMoved = 410'000'005;  // half a metre: the boat can be there
+TEST_CASE_TEMPLATE(
+    "after the origin moves, only the new one is sent, even on a link that had no credit then", S,
+    float, double) {
+  constexpr std::int32_t kMoved = 410'000'005;  // 6 cm: a plausible place of the boat
   int told = 0;
   for (int k = 10; k < 90; ++k) {
     Parameters p;
@@ -252,8 +254,9 @@ TEST_CASE_TEMPLATE("node ids assigned earlier stay assigned", S, float, double) 
   CHECK(h.boat.node_ids().table().size() == 1);
 }
 
-TEST_CASE_TEMPLATE("a host's clock that was set back by an hour is followed after a second", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "host's clock set back by an hour: FAULT, and after a second the boat follows the new time", S,
+    float, double) {
   constexpr std::int64_t kHour_us = 3'600'000'000;
   Harbour<S> h;
   h.now_us = 2 * kHour_us;

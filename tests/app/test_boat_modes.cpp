@@ -32,7 +32,7 @@ TEST_CASE_TEMPLATE("in MANUAL the sticks drive, and without them both propellers
   h.mode(mode::kManual);
   for (int k = 0; k < 60; ++k) step_with_sticks(h, 500, 0);
   CHECK(h.boat.state() == State::kManual);
-  CHECK(h.stopped());  // the sticks were not at neutral yet
+  CHECK(h.stopped());  // the sticks have not been at neutral yet
   step_with_sticks(h, 0, 0);
   for (int k = 0; k < 60; ++k) step_with_sticks(h, 500, 0);
   CHECK(h.raw.cmd[0] > 3000);
@@ -45,7 +45,9 @@ TEST_CASE_TEMPLATE("in MANUAL the sticks drive, and without them both propellers
   CHECK(h.stopped());
 }
 
-TEST_CASE_TEMPLATE("a motor test turns its propeller alone, for its time", S, float, double) {
+TEST_CASE_TEMPLATE(
+    "a motor test turns only the requested propeller, and stops after the requested time", S, float,
+    double) {
   for (const bool stbd : {false, true}) {
     Harbour<S> h;
     h.sail(2);
@@ -102,7 +104,7 @@ TEST_CASE_TEMPLATE("a propeller that turns the other way gets the opposite sign"
   CHECK(h.boat.snapshot().thrust_N.port > 0);
 }
 
-TEST_CASE_TEMPLATE("a boat told to follow itself does not", S, float, double) {
+TEST_CASE_TEMPLATE("a boat refuses to follow itself", S, float, double) {
   Harbour<S> h;
   h.sail(2);
   link::ParamSet leader{1, {1, 1}, {}, mav::kParamReal32};

@@ -37,7 +37,7 @@ struct Watch {
   bool inside() const { return has(limits.conditions(), core::kInsideFence); }
 };
 
-TEST_CASE("without limits any battery is good and any place inside, also where none is known") {
+TEST_CASE("without limits any battery is good and any position is inside, even an unknown one") {
   Watch watch;
   watch.pass(0.01);
   CHECK(watch.good());
@@ -50,7 +50,7 @@ TEST_CASE("without limits any battery is good and any place inside, also where n
   CHECK(watch.inside());
 }
 
-TEST_CASE("the lower of both voltages counts, when it has been below or above for two seconds") {
+TEST_CASE("the lower of two voltages decides, after two seconds below or above the limit") {
   for (const bool port : {true, false}) {
     Watch watch;
     watch.p.FS_BATT_V = 11;
@@ -94,7 +94,7 @@ TEST_CASE("an unknown or invalid voltage does not count as above the limit") {
   CHECK_FALSE(watch.good());
 }
 
-TEST_CASE("home is a place that the unit calls good: the first one after arming") {
+TEST_CASE("home is the first position after arming that the navigation unit reports as good") {
   Watch watch;
   watch.p.FS_FENCE_M = 100;
   watch.seen.sure = false;
@@ -103,7 +103,7 @@ TEST_CASE("home is a place that the unit calls good: the first one after arming"
   CHECK_FALSE(watch.limits.home());
   watch.seen.armed = true;
   watch.pass(1);
-  CHECK_FALSE(watch.inside());  // of a fence without a centre
+  CHECK_FALSE(watch.inside());  // the fence has no centre yet
   watch.seen.sure = true;
   watch.at(0);
   watch.pass(0.01);
@@ -114,7 +114,8 @@ TEST_CASE("home is a place that the unit calls good: the first one after arming"
   CHECK(watch.limits.home()->latitude == 410'000'000);
 }
 
-TEST_CASE("home is the first known position, then the position of arming; there it is inside") {
+TEST_CASE(
+    "home is the first known position, then the position of arming, where the boat is inside") {
   Watch watch;
   watch.p.FS_FENCE_M = 100;
   watch.pass(1);
@@ -199,7 +200,7 @@ TEST_CASE("each failsafe's parameter selects its reaction") {
         core::Choices{kReturn, kCoast, kReturn, kHold, kLoiter});
 }
 
-TEST_CASE("home is near up to the greatest distance of a target; this is checked once a second") {
+TEST_CASE("home is near if it is no farther than a target may be; this is checked once a second") {
   Watch watch;
   const auto near = [&] { return has(watch.limits.conditions(), core::kHomeNear); };
   watch.pass(0.1);

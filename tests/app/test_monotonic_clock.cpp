@@ -8,7 +8,8 @@
 namespace flotilla::app {
 namespace {
 
-TEST_CASE("a host's clock that is set back for half a second: the boat's stands still until then") {
+TEST_CASE(
+    "host's clock set back for half a second: the boat's clock stands still until it catches up") {
   MonotonicClock clock;
   link::Counters counters;
   CHECK(clock.take(5'000'000, counters) == 5'000'000);
@@ -19,7 +20,7 @@ TEST_CASE("a host's clock that is set back for half a second: the boat's stands 
 }
 
 TEST_CASE(
-    "a host's clock that stays behind for more than a second: the boat's runs on from there") {
+    "host's clock behind for more than a second: the boat's clock runs on from its last time") {
   MonotonicClock clock;
   link::Counters counters;
   clock.take(5'000'000, counters);
@@ -30,7 +31,7 @@ TEST_CASE(
   CHECK(clock.now_us() == 5'000'010);
 }
 
-TEST_CASE("a time before the start, or beyond any real clock, is cut off") {
+TEST_CASE("a negative time, or one beyond any real clock, is clamped") {
   MonotonicClock clock;
   link::Counters counters;
   CHECK(clock.take(-1, counters) == 0);

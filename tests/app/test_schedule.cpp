@@ -9,7 +9,7 @@ namespace flotilla::app {
 namespace {
 
 TEST_CASE(
-    "a message of 10 Hz leaves ten times a second from a tick of 64 Hz, and never too early") {
+    "a message of 10 Hz is sent ten times a second at a tick rate of 64 Hz, and never too early") {
   Schedule schedule(100'000);
   int sent = 0;
   for (std::int64_t now = 0; now < 10'000'000; now += 15'625)

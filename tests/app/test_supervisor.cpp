@@ -52,7 +52,8 @@ TEST_CASE("sticks at neutral when MANUAL is requested: they drive at once") {
   CHECK(helm.pushes());
 }
 
-TEST_CASE("sticks off neutral when MANUAL is requested: no thrust until they were at neutral") {
+TEST_CASE(
+    "sticks off neutral when MANUAL is requested: no thrust until they have been at neutral") {
   for (const Sticks off : {kFull, Sticks{-1, 0}, Sticks{0.11, 0}, Sticks{0, 0.11}, Sticks{0, -1}}) {
     Helm helm;
     CHECK(helm.hear(off, Request::kManual) == State::kManual);
@@ -65,7 +66,7 @@ TEST_CASE("sticks off neutral when MANUAL is requested: no thrust until they wer
   }
 }
 
-TEST_CASE("neutral before MANUAL was requested does not count, nor that of an earlier MANUAL") {
+TEST_CASE("sticks at neutral before the request, or in an earlier MANUAL, do not permit thrust") {
   Helm helm;
   helm.hear_for(100, kNeutral);
   helm.hear(kFull, Request::kManual);
@@ -110,7 +111,7 @@ TEST_CASE("MANUAL requested again in MANUAL changes nothing") {
   CHECK(helm.pushes());
 }
 
-TEST_CASE("silent sticks come back full: HOLD, and MANUAL requested again gives no thrust") {
+TEST_CASE("sticks fall silent and return at full ahead: HOLD, and a new MANUAL gives no thrust") {
   Helm helm;
   helm.hear(kNeutral, Request::kManual);
   helm.hear(kFull);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Q16's functions beside libfixmath's and the C library's float: errors and times on this processor.
+// Compares Q16's functions with libfixmath's and the C library's float: errors, and times on this
+// processor.
 //
-//   fixed_compared COUNT      a line each: name, arguments, largest errors of the three in LSB of
-//                             Q16, their times in ns a call, medians; nan: libfixmath has none
+//   fixed_compared COUNT      prints a line for each function: name, arguments, largest errors of
+//                             the three in LSB of Q16, median times in ns a call; nan: libfixmath
+//                             does not have the function
 //
-// Functions of one number take COUNT arguments in equal steps through their row's range, and every one
-// within 4096 LSB of 0. Those of two take COUNT pairs within ±16384, whose sums libfixmath can hold,
-// half of them of any magnitude. Left out: results beyond the range, where each has its own end, and
-// atan2(0, 0), of which libfixmath gives 0 or a number out of nowhere, after what was asked before.
+// Functions of one number take COUNT arguments in equal steps through their row's range, and each
+// number within 4096 LSB of 0. Functions of two take COUNT pairs within ±16384, whose sums
+// libfixmath can hold; half of the pairs have any magnitude. Left out: results beyond the range,
+// where each library saturates differently, and atan2(0, 0), for which libfixmath returns 0 or an
+// arbitrary number that depends on earlier calls.
 #include <libfixmath/fix16.h>
 
 #include <algorithm>
@@ -101,12 +104,12 @@ using Arguments = std::array<T, kTimed>;
 
 volatile std::uint8_t seen;
 
-/// ns a call, the loop's own included; of several thousand independent ones.
+/// ns a call, including the loop, from several thousand independent calls.
 template <class T>
 double time_of(T (*function)(T, T), const Arguments<T>& x, const Arguments<T>& y) {
   std::array<double, 31> ns{};
   for (double& one : ns) {
-    const std::clock_t began = std::clock();  // the processor's time: others may use it meanwhile
+    const std::clock_t began = std::clock();  // processor time excludes other programs
     for (std::size_t i = 0; i < x.size(); ++i) {
       const T result = function(x[i], y[i]);
       seen = reinterpret_cast<const std::uint8_t&>(result);

@@ -35,7 +35,7 @@ struct Worst {
     lsb = std::abs(error_lsb);  // or NaN, which stays
     at = where;
   }
-  /// `exact` in LSB; beyond the range, its nearest end is expected.
+  /// `exact` in LSB; beyond the range, the nearest end of the range is expected.
   void see(core::Q16 result, double exact, const std::array<std::int64_t, 3>& where) {
     see(result.raw() - std::clamp(exact, double{kMin}, double{kMax}), where);
   }

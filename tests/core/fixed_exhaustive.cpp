@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The proof behind core/scalar/fixed.hpp: errors against the C library's double, which is within 2⁻²¹ LSB.
+// The proof behind core/scalar/fixed.hpp: errors against the C library's double, which is within
+// 2⁻²¹ LSB.
 //
-//   sin cos atan tanh exp sqrt   all 2³² arguments. Of an odd or even function the oracle sees the
-//                                upper half, and every lower one is compared with its mirror image;
-//                                where nothing but an end can come out, that is compared instead
+//   sin cos atan tanh exp sqrt   all 2³² arguments. For an odd or even function the oracle checks
+//                                the upper half, and each lower result is compared with its mirror
+//                                image; where only an end of the range can result, that is compared
 //   atan2 hypot divide           all pairs of a dense grid, and 10⁹ random pairs
 //   hypot3 scaled Sum            all triples of a dense grid, and 10⁹ random ones
 //   Carry                        the totals of 10⁶ random sequences, after each of 10³ products
 //
-// Prints the largest error of each and where; exit 1 where its bound is reached, or a mirror breaks.
+// Prints each largest error and its place; exits with 1 if a bound is reached or a mirror image
+// differs.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -120,7 +122,7 @@ constexpr std::array<Several, 7> kSeveral{{
      [](double a, double b, double c) { return a * b / 65536 - c; }},
 }};
 
-/// Every one up to `small`, then `great` more at a constant ratio up to the end; their negatives.
+/// Each number up to `small`, then `great` more at a constant ratio up to the end; their negatives.
 std::vector<std::int32_t> dense_grid(int small, int great) {
   std::vector<std::int32_t> grid;
   for (int i = 0; i <= small + great; ++i) {
@@ -159,7 +161,7 @@ Worst over_several(const Several& function) {
   return worst;
 }
 
-/// Totals of 1000 products, each within the range: what is taken never is further from them.
+/// Running sums of 1000 products, each within the range: the sum taken minus the exact sum.
 Worst over_carries() {
   return over("Carry", 1000, [](int index) {
     Worst chunk;

@@ -12,8 +12,8 @@
 
 namespace flotilla::testing {
 
-/// One row; functions of one number leave the second. `least` … `most`: arguments that are timed,
-/// evenly spread; those of a function of two numbers, both.
+/// One row; functions of one number ignore the second argument. `least` … `most`: the range of the
+/// arguments that are timed, evenly spread, for both arguments of a function of two numbers.
 struct Rival {
   const char* name;
   int arguments;

@@ -40,10 +40,10 @@ struct PilotedBoat {
   core::Observer<S> motion{};
   core::ControllerState<S> state{};
   core::Tau<S> given{};
-  core::Tau<double> push{};     ///< that nobody knows of, of a wind, say
-  core::Vec2<double> anchor{};  ///< where motion.motion.moved_n begins
+  core::Tau<double> push{};     ///< a force unknown to the boat, such as wind
+  core::Vec2<double> anchor{};  ///< the origin of motion.motion.moved_n
   bool under_way = false;
-  int late = 0;  ///< how many ticks old a fix is when it comes
+  int late = 0;  ///< age of a fix when it arrives, in ticks
   std::vector<Sighting> past{};
 
   core::ControllerInput<S> controller_input(const core::Vessel<S>& vessel,

@@ -10,7 +10,7 @@
 
 namespace flotilla::testing {
 
-/// Of all values since the last reset.
+/// Range of all values since the last reset.
 struct Range {
   double least = std::numeric_limits<double>::infinity();
   double greatest = -std::numeric_limits<double>::infinity();

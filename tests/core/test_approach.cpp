@@ -74,7 +74,7 @@ TEST_CASE("from any start around a leader at rest boats reach their slots and st
     const double north = random(-20, 20), east = random(-20, 20), psi = random.angle();
     INFO("from ", north, ", ", east, ", heading ", psi);
     const Stay stay = lie(at<float>(north, east, psi), 150, params);
-    CHECK(stay.late_off < 1.5);  // where it began so near, it may stay there
+    CHECK(stay.late_off < 1.5);  // a boat that starts so near may stay there
     if (stay.started) CHECK(stay.late_off < 0.5);
     CHECK(std::abs(wrap_pi(stay.psi)) < 0.01);
     CHECK(stay.late_swing < 0.01);
@@ -82,8 +82,8 @@ TEST_CASE("from any start around a leader at rest boats reach their slots and st
 }
 
 TEST_CASE_TEMPLATE(
-    "near its slot, and without LAW_XT_DIST or LAW_KX anywhere, it does not approach", S, float,
-    double) {
+    "a boat near its slot, or with LAW_XT_DIST or LAW_KX at 0, does not start an approach", S,
+    float, double) {
   auto params = testing::products_law<S>();
   for (const double abeam : {0.3, 1.0, 1.4})
     CHECK_FALSE(lie(at<S>(0, abeam, 0), 20, params).started);
@@ -145,7 +145,7 @@ TEST_CASE_TEMPLATE(
       CHECK(stay.late_starts == 0);
       const double across = current.x * std::sin(stay.psi) - current.y * std::cos(stay.psi);
       CHECK(std::abs(across) < 0.02);
-      // Exactly astern 0.3 m/s push with 1 N; a neutral band of these propellers may hide 2 N.
+      // From exactly astern 0.3 m/s push with 1 N; these propellers' neutral band may hide 2 N.
       const bool hidden = current.x == 0.3 && abeam == 0.0;
       CHECK((current.x * std::cos(stay.psi) + current.y * std::sin(stay.psi) < 0) != hidden);
     }
@@ -171,7 +171,7 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
     const auto now = angle(0, false);
     const double slope = wrap_pi(angle(h, false).theta - angle(-h, false).theta) / (2 * h);
     const double distance = std::hypot(in.separation_n.x, in.separation_n.y);
-    const double nearer = std::min(1.0, distance);  // within Δ less of it is foreseen
+    const double nearer = std::min(1.0, distance);  // within Δ, theta_dot is a share of the slope
     CHECK(std::abs(nearer * slope - now.theta_dot) < 1e-3 * (1 + std::abs(slope)));
     // Bow first or stern first, the boat lies along the same line.
     CHECK(std::abs(std::sin(angle(0, true).theta - now.theta)) < 1e-9);

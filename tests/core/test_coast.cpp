@@ -26,8 +26,9 @@ CoastState<S> coasted(const Motion<S>& from, double T, double seconds, double h)
   return state;
 }
 
-TEST_CASE_TEMPLATE("a leader that sailed straight comes to rest after two thirds of the way", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "a leader that sailed straight stops after two thirds of the distance at full speed", S, float,
+    double) {
   const auto state = coasted(motion<S>(0.7, 1.5, -0.2, 0), 5, 5, 0.01);
   const Vec2<double> way = to_north_east(0.7, Vec2<double>{1.5 * 10 / 3, -0.2 * 10 / 3});
   CHECK(std::abs(double(state.leader.moved_n.x) - way.x) < 1e-4);
@@ -57,7 +58,7 @@ TEST_CASE_TEMPLATE("a leader that sailed a circle slows down on it", S, float, d
   }
 }
 
-TEST_CASE("the leader's acceleration is the slope of its velocity, and nothing once it rests") {
+TEST_CASE("the leader's acceleration is the slope of its velocity, and zero once it is at rest") {
   const Motion<double> from = motion<double>(1, 0.8, 0.1, -0.2);
   auto state = coast_start(from);
   for (int k = 0; k < 300; ++k) {
@@ -81,7 +82,7 @@ TEST_CASE_TEMPLATE("a leader extrapolated by no time has not moved yet", S, floa
   CHECK(state.leader.nu.u == S(1));
 }
 
-TEST_CASE_TEMPLATE("no command is greater than the limit, and within it none is changed", S, float,
+TEST_CASE_TEMPLATE("no command exceeds the limit, and commands within it stay unchanged", S, float,
                    double) {
   constexpr std::uint32_t kSeed = 72;
   INFO("seed ", kSeed);

@@ -115,8 +115,9 @@ TEST_CASE("uniformly moving water does not affect boats that turn together") {
   }
 }
 
-TEST_CASE_TEMPLATE("the virtual sway and the slot's begin with the leader's through the water", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "the virtual sway and the slot's sway start at the leader's sway through the water", S, float,
+    double) {
   constexpr std::uint32_t kSeed = 27;
   INFO("seed ", kSeed);
   Random random(kSeed);

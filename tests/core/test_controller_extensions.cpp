@@ -146,7 +146,7 @@ Assumed<S> sail(const testing::ProductParams<S>& params) {
   return last;
 }
 
-TEST_CASE_TEMPLATE("an extension at 0 makes no assumptions, and the rest of the law goes on", S,
+TEST_CASE_TEMPLATE("an extension at 0 contributes nothing, and the other extensions still work", S,
                    float, double) {
   auto params = testing::products_law<S>();
   const Assumed<S> all = sail(params);

@@ -125,7 +125,7 @@ TEST_CASE_TEMPLATE("a slot 10 m astern of a leader that pivots asks for no more 
     off = std::max(off, std::hypot(boat.hull.q[3], boat.hull.q[4]));
   }
   CHECK(needs > 7.5);
-  CHECK(off < 1.6);  // its true speed
+  CHECK(off < 1.6);  // the boat's true speed, m/s
 }
 
 TEST_CASE_TEMPLATE("in no situation does a boat ask for more than its limits", S, float, double) {

@@ -172,8 +172,8 @@ TEST_CASE_TEMPLATE("the clearance of a leg is the least of its points; a leg tha
   CHECK_FALSE(take_overflow<S>());
 }
 
-TEST_CASE_TEMPLATE("the clearance changes by no more than the way between two places", S, float,
-                   double, Q16) {
+TEST_CASE_TEMPLATE("between two places the clearance changes by no more than their distance", S,
+                   float, double, Q16) {
   constexpr std::uint32_t kSeed = 13;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -186,7 +186,7 @@ TEST_CASE_TEMPLATE("the clearance changes by no more than the way between two pl
   }
 }
 
-TEST_CASE("a leg through a thin strip, or past a corner, is seen") {
+TEST_CASE("a leg through a thin strip, or past a corner, is detected") {
   const Drawn strip{{{0, -100}, {0, 100}, {0.2, 100}, {0.2, -100}}, 0, false};
   CHECK(clearance_of<Q16>(strip, {-50, 3}, {50, 3}) <= 0);
   CHECK(clearance_of<Q16>(strip, {-50, 3}, {-1, 3}) == doctest::Approx(1).epsilon(0.01));
@@ -204,7 +204,7 @@ TEST_CASE("a leg without length is a point") {
   }
 }
 
-TEST_CASE("the distance of crossing edges is 0, of others that of their nearest points") {
+TEST_CASE("crossing edges have distance 0, others the distance of their nearest points") {
   using V = Vec2<double>;
   CHECK(distance_between(V{0, 0}, V{10, 10}, V{0, 10}, V{10, 0}) == 0);
   CHECK(distance_between(V{0, 0}, V{10, 0}, V{5, 3}, V{5, 9}) == doctest::Approx(3));

@@ -73,7 +73,8 @@ TEST_CASE_TEMPLATE("following the prediction from an old reference gives the roo
   }
 }
 
-TEST_CASE("after the last sample the motion is constant, before the first it leads to it") {
+TEST_CASE(
+    "after the last sample the motion is constant; before the first it approaches that sample") {
   Future<double> future;
   future.u.fill(1);
   future.r.fill(0.1);

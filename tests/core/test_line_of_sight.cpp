@@ -86,7 +86,7 @@ TEST_CASE_TEMPLATE("in the mirror image, the bow turns the other way", S, float,
   }
 }
 
-TEST_CASE("a boat to starboard of its slot's track turns to port, the more the farther") {
+TEST_CASE("a boat to starboard of its slot's track turns to port, and more if it is farther away") {
   double last = 0;
   for (const double aside : {0.1, 0.5, 2.0, 20.0}) {
     const auto in = straight(0, aside, 2);
@@ -97,9 +97,8 @@ TEST_CASE("a boat to starboard of its slot's track turns to port, the more the f
   CHECK(last < -0.98);
 }
 
-TEST_CASE_TEMPLATE(
-    "line of sight uses the smaller of two speeds, and none where their signs differ", S, float,
-    double) {
+TEST_CASE_TEMPLATE("line of sight uses the smaller of two speeds, or 0 if their signs differ", S,
+                   float, double) {
   CHECK(smaller_of_same_sign(S(2), S(1)) == S(1));
   CHECK(smaller_of_same_sign(S(-2), S(-1)) == S(-1));
   CHECK(smaller_of_same_sign(S(2), S(-1)) == S(0));
@@ -124,8 +123,9 @@ TEST_CASE("from far behind the bow points at the slot") {
   }
 }
 
-TEST_CASE_TEMPLATE("a slot at rest gives no line of sight; one that goes astern turns it round", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "a slot at rest gives a line-of-sight angle of 0; one that goes astern reverses its sign", S,
+    float, double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
@@ -165,7 +165,7 @@ TEST_CASE("the rate of the line-of-sight angle is its derivative while both vess
   }
 }
 
-TEST_CASE("on the track, the bow's angle speeds up with the boat's yaw rate alone") {
+TEST_CASE("on the track, the angle's second derivative depends on the boat's yaw rate alone") {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
@@ -184,7 +184,8 @@ TEST_CASE("on the track, the bow's angle speeds up with the boat's yaw rate alon
   }
 }
 
-TEST_CASE("abreast of the slot, at any distance, the share of the boat's own turn is foreseen") {
+TEST_CASE(
+    "abreast of the slot, the angle's second derivative is the part due to the boat's own turn") {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {

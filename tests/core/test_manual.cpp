@@ -77,7 +77,7 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("a stick beyond its end is one at its end", S, float, double) {
+TEST_CASE_TEMPLATE("a stick beyond its end counts as a stick at its end", S, float, double) {
   for (const double beyond : {1.001, 2.0, 10.0, 1e30}) {
     CAPTURE(beyond);
     for (const double sign : {-1.0, 1.0}) {

@@ -38,7 +38,7 @@ TEST_CASE_TEMPLATE("a boat in its slot gets the wrench that its leader's own mot
   }
 }
 
-TEST_CASE_TEMPLATE("a boat that is too fast is braked by its gain, one that turns too fast as well",
+TEST_CASE_TEMPLATE("a boat that is too fast is braked in proportion, as is one that turns too fast",
                    S, float, double) {
   Random random(10);
   const PdPlusParams<S> gains{S(7), S(3)};

@@ -199,7 +199,7 @@ TEST_CASE("legs of any length end at rest, also where a step ends exactly on the
   }
 }
 
-TEST_CASE("a slower pace stops the vessel and a full one takes it on") {
+TEST_CASE("at pace 0 the vessel stops, at pace 1 it sails on") {
   const RouteParams<double> params;
   const std::vector<Waypoint<double>> route{{{0, 0}}, {{20, 0}, 0.5, 1}};
   auto state = route_start<double>(params, route);

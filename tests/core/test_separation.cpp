@@ -17,8 +17,8 @@ using testing::Random;
 using testing::Sailor;
 using testing::same_bits;
 
-TEST_CASE_TEMPLATE("the predicted distance is the least on the way, found step by step too", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("the predicted distance is the least distance on the way, as found step by step",
+                   S, float, double) {
   constexpr std::uint32_t kSeed = 71;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -50,7 +50,7 @@ TEST_CASE("from the speed that a gap allows, a boat stops where the gap ends") {
   CHECK(stopping_speed(2.0, 0.4, -1.0) == 0);
 }
 
-TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that is it") {
+TEST_CASE("a boat takes a course by the smaller turn, stern first if that turn is smaller") {
   Random random(73);
   for (int i = 0; i < 500; ++i) {
     const double psi = random.angle(), course = random.angle(), speed = random(0.01, 3);
@@ -71,7 +71,7 @@ TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that
 }
 
 TEST_CASE_TEMPLATE(
-    "alone, or with others far away, a boat sails as the law has it, to the last bit", S, float,
+    "alone, or with others far away, a boat follows the law unchanged, to the last bit", S, float,
     double) {
   Random random(74);
   auto params = testing::products_law<S>().law;
@@ -96,7 +96,7 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE("a boat yields only to a vessel with right of way; the other is reported all the same") {
+TEST_CASE("a boat yields only to a vessel with right of way, but reports one without it as well") {
   Sailor boat({0, 0, 0, 0.5, 0, 0});
   for (const bool has_way : {true, false}) {
     boat.state = {};
@@ -150,7 +150,7 @@ TEST_CASE("a vessel at an uncertain position is passed at a greater distance") {
   CHECK(least[1] > least[0] + 1.5);
 }
 
-TEST_CASE("a boat without limits of speed and yaw rate yields as fast as its distance a second") {
+TEST_CASE("a boat without limits of speed and yaw rate yields at its least distance per second") {
   const VirtualVelocityParams<double> none{0.2, 0.5, 0, 0}, some{0.2, 0.5, 0.9, 0.4};
   const SeparationParams<double> apart{2};
   const Vec2<double> slot = {0.5, 0}, far = {0, 20}, near = {0, 0.5};
@@ -183,7 +183,7 @@ TEST_CASE("a boat looks as far ahead as it needs to turn aside, gather way and m
   }
 }
 
-TEST_CASE("a path leads where its stretches do, and to the wanted velocity") {
+TEST_CASE("to sail abeam, a boat brakes, turns on the spot, and then gathers way") {
   SeparationParams<double> params;
   params.least = kMin;
   const Intent<double> intent{{0.5, 0}, {1, 0}, {2.5, 0}, 1.5, 0.8};
@@ -291,7 +291,7 @@ TEST_CASE("a choice that was clear is clear a moment later") {
   CHECK(clear > 500);
 }
 
-TEST_CASE("of several vessels, those without right of way change no chosen course") {
+TEST_CASE("among several vessels, those without right of way do not affect the chosen course") {
   SeparationParams<double> params;
   params.least = kMin;
   const VirtualVelocityParams<double> limits{0.2, 0.5, 1.5, 0.8};

@@ -90,7 +90,7 @@ TEST_CASE(
   for (int run = 0; run < kRuns; ++run) {
     // They would meet after that time.
     const double slot = random(0.3, 1.1), speed = random(0.4, 1.8), t = random(8, 15);
-    const double course = random(-testing::kPi, -1.2);  // from starboard, nobody overtakes
+    const double course = random(-testing::kPi, -1.2);  // from starboard; neither vessel overtakes
     const Vec2<double> v = {speed * std::cos(course), speed * std::sin(course)};
     const Passing met = pass({slot, {(slot - v.x) * t, -v.y * t}, v});
     CHECK(met.least > kMin);

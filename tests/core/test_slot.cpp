@@ -48,8 +48,8 @@ void check_same(const Slot<S>& slot, const Vec2<S>& d_n, const ControllerInput<S
   CHECK(slot.nu_dot.r == in.nu_L_dot.r);
 }
 
-TEST_CASE_TEMPLATE("the paper's slot lies beside its leader and goes exactly as it goes", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("the paper's slot lies beside its leader and has exactly the leader's motion", S,
+                   float, double) {
   constexpr std::uint32_t kSeed = 71;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -97,8 +97,9 @@ TEST_CASE_TEMPLATE("a slot starts with the sway of its leader through the water"
 }
 
 /// On a circle of the leader the boat's sway is −m11 u r / d22: it heads inward of its course.
-TEST_CASE_TEMPLATE("around a circling leader the slot heads as a boat does on its own circle", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "around a circling leader the slot heads as a boat does that sails the slot's own circle", S,
+    float, double) {
   constexpr std::uint32_t kSeed = 73;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -129,8 +130,8 @@ TEST_CASE_TEMPLATE("around a circling leader the slot heads as a boat does on it
   }
 }
 
-TEST_CASE_TEMPLATE("in a cross current the slot heads where the boat's way through the water goes",
-                   S, float, double) {
+TEST_CASE_TEMPLATE("in a cross current the slot heads along its own motion through the water", S,
+                   float, double) {
   constexpr std::uint32_t kSeed = 74;
   INFO("seed ", kSeed);
   Random random(kSeed);

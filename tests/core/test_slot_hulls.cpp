@@ -120,8 +120,8 @@ TEST_CASE_TEMPLATE("a model ship behind its like has the same heading, at any sp
   CHECK(worst_behind_its_like<S>(cybership<double>(), 0.2) < 0.04);
 }
 
-TEST_CASE_TEMPLATE("hulls nearly as heavy ahead as abeam, hardly damped in sway, head alike", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("with m11 close to m22 and little damping in sway, slot and leader head alike",
+                   S, float, double) {
   for (const double ratio : {0.5, 0.6, 0.7, 0.8, 0.9}) {
     for (const double damping : {0.02, 0.1, 0.5, 5.0}) {
       INFO("m11/m22 ", ratio, ", d22/m22 ", damping);

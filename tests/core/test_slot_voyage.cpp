@@ -62,7 +62,8 @@ Vec2<double> slope(const Vec2<double>& before, const Vec2<double>& after) {
   return {(after.x - before.x) / (2 * kH), (after.y - before.y) / (2 * kH)};
 }
 
-TEST_CASE("a slot that turns moves as its places say, and speeds up as its velocities say") {
+TEST_CASE(
+    "a turning slot's velocity is the slope of its places, its acceleration that of its velocity") {
   for (const Vec2<double>& d : kSlots) {
     for (const Vec2<double>& current : {Vec2<double>{}, Vec2<double>{0.1, -0.05}}) {
       const auto path = sail(steered(d, true), {.current = current});
@@ -152,7 +153,7 @@ TEST_CASE(
       fine.h = kH / 8;
       const double step = largest_step(sail(steered(d, true), coarse));
       CHECK(step < 0.15);
-      // A leap would be as large in finer steps.
+      // With finer steps a jump would not become smaller.
       CHECK(largest_step(sail(steered(d, true), fine)) < 0.3 * step);
     }
   }

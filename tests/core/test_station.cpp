@@ -66,8 +66,9 @@ TEST_CASE_TEMPLATE("a boat that yielded as it closed up has time for the way bac
   CHECK(w.pass(39, [](double t) { return 40 - t; }) == -1);
 }
 
-TEST_CASE_TEMPLATE("winning back what yielding cost, again and again, is no progress", S, float,
-                   double, Q16) {
+TEST_CASE_TEMPLATE(
+    "regaining the distance lost by yielding, again and again, does not count as progress", S,
+    float, double, Q16) {
   Watch<S> w;
   CHECK(w.pass(20, [](double t) { return 22 - t; }) == -1);
   double until = 0;
@@ -81,8 +82,8 @@ TEST_CASE_TEMPLATE("winning back what yielding cost, again and again, is no prog
   CHECK(w.state.loss == StationLoss::kStuck);
 }
 
-TEST_CASE_TEMPLATE("a slot that moves repeatedly does not hide a boat that makes no way", S, float,
-                   double, Q16) {
+TEST_CASE_TEMPLATE("a slot that moves again and again does not hide a boat that makes no progress",
+                   S, float, double, Q16) {
   Watch<S> w;
   double until = 0;
   while (until < 200 && w.state.loss == StationLoss::kNo) {
@@ -94,8 +95,8 @@ TEST_CASE_TEMPLATE("a slot that moves repeatedly does not hide a boat that makes
   CHECK(until < 70);
 }
 
-TEST_CASE_TEMPLATE("a boat that still turns in its slot has not kept it yet", S, float, double,
-                   Q16) {
+TEST_CASE_TEMPLATE("a boat that still turns in its slot does not count as having reached it", S,
+                   float, double, Q16) {
   Watch<S> w;
   w.in.turns = true;
   CHECK(w.stay(10, 0.5) == -1);
@@ -121,8 +122,8 @@ TEST_CASE_TEMPLATE("a boat that was in its slot and is 5 m off for a second has 
   CHECK(w.state.loss == StationLoss::kLeft);
 }
 
-TEST_CASE_TEMPLATE("it is back in formation when it was in its slot for a second", S, float, double,
-                   Q16) {
+TEST_CASE_TEMPLATE("a boat that left its slot is back in formation after a second in it", S, float,
+                   double, Q16) {
   Watch<S> w;
   w.stay(4, 0);
   w.stay(2, 6);

@@ -198,7 +198,7 @@ TEST_CASE("every row of the table decides some situation") {
   }
 }
 
-TEST_CASE("the boat may push in eight states, each with its own conditions, never else") {
+TEST_CASE("the boat may push in eight states, under each state's own conditions, and in no other") {
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request, Conditions met, Reaction) {
     const World is(met);
@@ -217,7 +217,7 @@ TEST_CASE("the boat may push in eight states, each with its own conditions, neve
   CHECK_FALSE(armed(State::kFault));
 }
 
-TEST_CASE("a boat that stays or comes into a state that pushes may push at once") {
+TEST_CASE("a boat that enters or keeps a state with thrust may push at once") {
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request request, Conditions met, Reaction reaction) {
     const State next = supervise(state, request, met, {reaction}).state;
@@ -231,7 +231,7 @@ TEST_CASE("a boat that stays or comes into a state that pushes may push at once"
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a request that was granted is granted again, but for a test, and changes nothing more") {
+TEST_CASE("a granted request, except for a motor test, is granted again and changes nothing more") {
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request request, Conditions met, Reaction) {
     if (request == Request::kNone || request == Request::kTest) return;
@@ -276,7 +276,7 @@ TEST_CASE("the lost condition is named when the boat changes its state automatic
   CHECK(lost(State::kCoast, 0).missing == 0);
 }
 
-/// The specification of the reactions, from what is lost to what follows.
+/// The specification of the reactions: from each lost condition to the boat's response.
 Reaction chosen(const Choices& choices, State state, Conditions met) {
   const World is(met);
   const bool behind = state == State::kFormation || state == State::kCoast;
@@ -297,7 +297,7 @@ Reaction chosen(const Choices& choices, State state, Conditions met) {
   return coasts ? Reaction::kCoast : Reaction::kManual;
 }
 
-TEST_CASE("of several losses the most careful choice counts") {
+TEST_CASE("of several losses the one with the most careful reaction counts") {
   using enum Reaction;
   constexpr std::array kActions{kHold, kCoast, kManual, kLoiter, kReturn};
   constexpr std::array kStops{kHold, kLoiter, kReturn};
@@ -358,7 +358,7 @@ TEST_CASE("the conditions missing for FORMATION are named when a boat is armed w
   CHECK(wrong == 0);
 }
 
-TEST_CASE("after a FAULT a boat with a low battery, lost and out of its fence is driven home") {
+TEST_CASE("after a FAULT a boat with a low battery, lost and out of its fence can be driven home") {
   constexpr Conditions kStranded = kArming | kSticksFresh | kSticksCentred;
   CHECK(supervise(State::kManual, Request::kNone, kStranded & ~kEscsOnline).state == State::kFault);
   CHECK(supervise(State::kFault, Request::kDisarm, kStranded).state == State::kDisarmed);

@@ -234,7 +234,7 @@ struct Found {
       const Node repaired{before.state, Esc::kOnline, 0, before.coast, before.test};
       seen.not_back_to_the_start +=
           code_of(tick_of(repaired, Request::kDisarm, choices).after) != code_of(Node{});
-      // Only the propellers are repaired: it is driven home, from FAULT and wherever it was.
+      // Only the propellers are repaired: the boat can be driven home from FAULT or any state.
       Node home{before.state, Esc::kOnline, before.wrong & kHarmless, before.coast, before.test};
       for (const Request ask : {Request::kDisarm, Request::kArm}) {
         home = tick_of(home, ask, choices).after;
@@ -250,7 +250,7 @@ const Found& found() {
   return all;
 }
 
-TEST_CASE("no history of faults and requests leads to a forbidden state") {
+TEST_CASE("no sequence of faults and requests leads to a forbidden state") {
   CHECK(found().broken.size() == 7);
   for (const auto& [choices, broken] : found().broken) {
     CAPTURE(static_cast<int>(choices.leader));
@@ -278,7 +278,7 @@ TEST_CASE("no history of faults and requests leads to a forbidden state") {
   MESSAGE(found().nodes, " states visited");
 }
 
-TEST_CASE("every state is reached, and from each in one tick just those that it may lead to") {
+TEST_CASE("every state is reached, and each leads in one tick exactly to the states that it may") {
   const auto& next = found().next;
   using enum State;
   constexpr unsigned kStops = in(kDisarmed, kFault);

@@ -22,8 +22,9 @@ TEST_CASE_TEMPLATE("the command for a thrust gives that thrust, from linear to q
   }
 }
 
-TEST_CASE_TEMPLATE("full command gives each direction's own maximum, half of a quadratic a quarter",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "full command gives each direction's maximum; half, on a quadratic curve, gives a quarter", S,
+    float, double) {
   const ThrustCurveParams<S> curve{S(30), S(12), S(1), S(0)};
   CHECK(thrust_from_command(curve, S(1)) == approx(S(30)));
   CHECK(thrust_from_command(curve, S(-1)) == approx(S(-12)));
@@ -59,7 +60,7 @@ TEST_CASE_TEMPLATE(
   CHECK(command_from_thrust(ThrustCurveParams<S>{S(30), S(30), S(1), S(0)}, S(0)) == S(0));
 }
 
-TEST_CASE_TEMPLATE("the smallest thrust has a command that is a number", S, float, double) {
+TEST_CASE_TEMPLATE("even the smallest thrust gives a valid command, not NaN", S, float, double) {
   for (int k = 0; k <= 4; ++k) {
     const ThrustCurveParams<S> curve{S(30), S(30), S(k) / S(4), S(0)};
     for (S T = S(1); T > S(0); T = S(0.5) * T) {

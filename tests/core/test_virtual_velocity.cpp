@@ -22,7 +22,7 @@ VirtualVelocity<S> step(const VirtualVelocityParams<S>& params, VirtualVelocityS
 }
 
 TEST_CASE_TEMPLATE(
-    "a boat ahead of its slot wants to be slower, one that points to starboard to port", S, float,
+    "a boat ahead of its slot slows down; one that points to starboard turns to port", S, float,
     double) {
   ControllerInput<S> in;
   in.nu_L = {S(1), S(0), S(0)};
@@ -37,7 +37,7 @@ TEST_CASE_TEMPLATE(
         approx(S(-0.3 * std::tanh(0.5))));
 }
 
-TEST_CASE_TEMPLATE("virtual sway reaches the same value in steps of any lengths: the exact one", S,
+TEST_CASE_TEMPLATE("virtual sway reaches the exact value, whatever the lengths of the steps", S,
                    float, double) {
   constexpr std::uint32_t kSeed = 11;
   INFO("seed ", kSeed);
@@ -151,8 +151,8 @@ TEST_CASE_TEMPLATE("the request never exceeds the limits, whatever the slot does
   CHECK(limited > 100);
 }
 
-TEST_CASE_TEMPLATE("r* reaches its limit from a quarter of it in 0.25 s, and falls at once", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("r* rises from a quarter of its limit to the limit in 0.25 s, and falls at once",
+                   S, float, double) {
   const VirtualVelocityParams<S> params{.r_max = S(0.8)};
   VirtualVelocityState<S> state;
   const auto limited = [&](S wish, S h) {

@@ -181,7 +181,8 @@ void History<S>::ask(std::uint8_t what) {
       return talkers_->tell(Talkers<S>::kOperator, there, now_us_);
     }
     default:
-      // The host's report is on no wire: after noise there, no request for the action is visible.
+      // The host's disarm is on no link. After noise on a link, no rule reports an unrequested
+      // action.
       talkers_->bytes(std::array<std::uint8_t, 1>{}, false, now_us_, 0);
       boat_->disarm();
   }
@@ -262,7 +263,7 @@ void History<S>::host(Stream& in) {
   host_.unsaved = (what & 2U) == 0 ? "" : app::kParametersUnsaved;
   host_.save_failed = (what & 4U) != 0;
   if ((what & 8U) != 0) ++host_.overruns;
-  // After the year 2100 signatures' timestamps come to their end.
+  // Signatures' timestamps end soon after the year 2100.
   if ((what & 16U) != 0) host_.unix_us = in.number<std::int64_t>() % 4'100'000'000'000'000;
   boat_->on_host(host_);
 }

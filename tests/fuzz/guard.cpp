@@ -6,7 +6,7 @@
 #include <ctime>
 #include <utility>
 
-// The sanitizers', sanitizer/allocator_interface.h; without them nothing is counted.
+// From sanitizer/allocator_interface.h; without sanitizers nothing is counted.
 extern "C" __attribute__((weak)) int __sanitizer_install_malloc_and_free_hooks(
     void (*malloc_hook)(const volatile void*, std::size_t),
     void (*free_hook)(const volatile void*));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <cstddef>
-// Before it: the tables use offsetof().
+// Before mavlink.h, whose tables use offsetof().
 #define MAVLINK_USE_MESSAGE_INFO
 #include <flotilla/mavlink.h>
-// After it: the search in them.
+// After mavlink.h: the search in its tables.
 #include <mavlink_get_info.h>
 
 #include <array>

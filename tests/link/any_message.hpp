@@ -45,7 +45,7 @@ struct AnyMessage {
     for (Number& x : numbers) fill(x);
   }
 
-  /// A text of any length, up to one without room for a NUL.
+  /// A text of any length; the longest has no room for a NUL.
   template <std::size_t N>
   void fill(link::Text<N>& text) {
     text = {};

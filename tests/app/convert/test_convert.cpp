@@ -75,7 +75,7 @@ link::Odometry told(const Truth& t, std::uint8_t frame, std::uint8_t child) {
   return m;
 }
 
-TEST_CASE("a rolling, pitching boat is the same boat in any pose and velocity frame") {
+TEST_CASE("a rolling, pitching boat has the same state in every pose and velocity frame") {
   constexpr std::uint32_t kSeed = 71;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -104,7 +104,7 @@ TEST_CASE("a rolling, pitching boat is the same boat in any pose and velocity fr
   }
 }
 
-TEST_CASE("a pose in a frame without north is refused for its frame") {
+TEST_CASE("a pose in a frame without north is refused as a bad frame") {
   const Truth t{0, 0, 1, {1, 0, 0}, 0};
   for (const std::uint8_t frame : Frames{0, 2, 3, 5, 8, 12, 20, 21, 255}) {
     link::Odometry m = told(t, 1, 12);
@@ -114,7 +114,7 @@ TEST_CASE("a pose in a frame without north is refused for its frame") {
   }
 }
 
-TEST_CASE("NaN, infinity and absurd numbers in any field are refused for their value") {
+TEST_CASE("NaN, infinity and absurd numbers in any field are refused as bad values") {
   const Truth t{0, 0, 1, {1, 0, 0}, 0};
   for (const float bad : {kNaN, HUGE_VALF, -HUGE_VALF, 1e30F}) {
     for (std::size_t field = 0; field < 13; ++field) {
@@ -130,7 +130,7 @@ TEST_CASE("NaN, infinity and absurd numbers in any field are refused for their v
   }
 }
 
-TEST_CASE("a quaternion of zeros is refused, one of another length is taken for its direction") {
+TEST_CASE("a quaternion of zeros is refused; one of any other length is normalised") {
   link::Odometry m = told({0.1, 0.1, 1, {1, 0, 0}, 0}, 1, 12);
   for (float& c : m.q) c *= 1.5F;
   REQUIRE(sample_of(m).sample);
@@ -141,7 +141,8 @@ TEST_CASE("a quaternion of zeros is refused, one of another length is taken for 
   CHECK_FALSE(sample_of(m).sample);
 }
 
-TEST_CASE("attitude: psi's own rate when rolling; NaN and upside down are refused") {
+TEST_CASE(
+    "ATTITUDE: yaw rate is psi's derivative, even when rolling; NaN and upside down are refused") {
   const auto heading = heading_of({1000, 0.3F, 0.2F, 1.5F, 0, 0.1F, 0.4F});
   REQUIRE(heading);
   CHECK(heading->stamp_us == 1'000'000);
@@ -156,7 +157,7 @@ TEST_CASE("attitude: psi's own rate when rolling; NaN and upside down are refuse
   }
 }
 
-TEST_CASE("a position takes the heading that the boat has turned to since the attitude") {
+TEST_CASE("a position's heading is the last attitude's, extrapolated by the yaw rate") {
   const HeadingSample heading{900'000, 1.0, 0.5};
   const auto sample = sample_of(link::LocalPositionNed{1000, 3, 4, 0, 2, 0, 0}, heading);
   REQUIRE(sample);
@@ -186,7 +187,7 @@ link::FollowTarget follow_target() {
   return m;
 }
 
-TEST_CASE("GLOBAL_POSITION_INT: centimetres a second, and the heading turned to since") {
+TEST_CASE("GLOBAL_POSITION_INT: velocity in cm/s, and the last attitude's heading, extrapolated") {
   const HeadingSample heading{900'000, 1.0, 0.5};
   const auto sample = sample_of(global(), heading);
   REQUIRE(sample);
@@ -213,7 +214,7 @@ TEST_CASE("GLOBAL_POSITION_INT: centimetres a second, and the heading turned to 
   CHECK_FALSE(sample_of(m, heading));
 }
 
-TEST_CASE("FOLLOW_TARGET with attitude: a whole state, psi's own rate when rolling") {
+TEST_CASE("FOLLOW_TARGET with attitude: a complete state, whose yaw rate is psi's derivative") {
   const auto heading = own_heading_of(follow_target());
   REQUIRE(heading);
   CHECK(heading->psi_rad == doctest::Approx(1.5));
@@ -285,8 +286,8 @@ link::GpsGlobalOrigin origin_at(double latitude_deg, double longitude_deg) {
           static_cast<std::int32_t>(std::lround(longitude_deg * 1e7)), 0, 0};
 }
 
-/// A leader at (north, east) of its own plane, seen from another origin. The last three numbers come
-/// from geodesics that were integrated numerically, as in tests/sil/wire/test_geodesy.py.
+/// A leader at (north, east) of its own plane, seen from another origin. The last three numbers
+/// come from geodesics that were integrated numerically, as in tests/sil/wire/test_geodesy.py.
 struct TwoOrigins {
   link::GpsGlobalOrigin own, leader;
   double north_m, east_m;
@@ -351,8 +352,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE_TEMPLATE("a leader's heading and way are turned from its north to ours", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a leader's heading and displacement are rotated from its north to ours", S,
+                   float, double) {
   for (const TwoOrigins& t : kTwoOrigins) {
     CAPTURE(t.own.latitude);
     const core::Motion<S> still{{}, S(0.3), {S(1), S(2), S(3)}, {}};
@@ -371,7 +372,7 @@ TEST_CASE_TEMPLATE("a leader's heading and way are turned from its north to ours
   }
 }
 
-TEST_CASE("a global position is at the same place as a local one of any origin that reaches it") {
+TEST_CASE("a global position becomes the same place in the plane of any origin near enough") {
   const Sample<double> sample{7, 0, 0, 0.5, 1, 2, 3, GlobalPoint{487'125'918, 23'140'342}};
   const link::GpsGlobalOrigin origin{487'000'000, 22'950'000, 0, 0};
   const Sample got = in_plane(sample, origin);
@@ -420,8 +421,9 @@ TEST_CASE_TEMPLATE("a point beyond the given distance has no offset, and nothing
   CHECK_FALSE(core::take_overflow<S>());
 }
 
-TEST_CASE_TEMPLATE("far from a common origin, a float's separation still has millimetres", S, float,
-                   double) {
+TEST_CASE_TEMPLATE(
+    "far from a common origin, the separation in float is still accurate to a millimetre", S, float,
+    double) {
   const auto origin = origin_at(41, 2);
   const auto got = separation<S>(Position{400'000.125, -300'000.5, origin},
                                  Position{400'001.5, -300'002.5, origin})
@@ -430,7 +432,7 @@ TEST_CASE_TEMPLATE("far from a common origin, a float's separation still has mil
   CHECK(got.y == S(2));
 }
 
-TEST_CASE("an origin beyond the poles or the antimeridian is none") {
+TEST_CASE("an origin beyond the poles or the antimeridian is invalid") {
   CHECK(is_valid(origin_at(41, 2)));
   CHECK_FALSE(is_valid(origin_at(91, 2)));
   CHECK_FALSE(is_valid(origin_at(-91, 2)));
@@ -448,7 +450,7 @@ TEST_CASE_TEMPLATE("commands are 8191 steps each way, rounded to the nearest", S
   }
 }
 
-TEST_CASE("rates and times: a rate of zero has no period, milliseconds are those that have begun") {
+TEST_CASE("a rate of zero has no period; times are truncated to whole milliseconds") {
   CHECK(period_us(100) == 10'000);
   CHECK(period_us(0) == 0);
   CHECK(period_us(-1) == 0);

@@ -135,7 +135,7 @@ TEST_CASE("a predicted motion of 20 m/s or 4 rad/s is refused, and nothing overf
   CHECK_FALSE(core::take_overflow<core::Q16>());
 }
 
-TEST_CASE("slots add up to whole parts of a metre, as far as any fleet reaches") {
+TEST_CASE("slot offsets add up exactly, in 1/1024 m; a sum beyond 100 km is refused") {
   const WireOffset a = wire_offset_of(-3.0F, 0.5F), b = wire_offset_of(1000.0F, -1000.0F);
   CHECK(a == WireOffset{-3072, 512});
   CHECK(sum_of(a, b) == WireOffset{-3072 + 1'024'000, 512 - 1'024'000});

@@ -31,7 +31,7 @@ std::optional<link::EscStatus> esc(float voltage, float current) {
   return status;
 }
 
-TEST_CASE("the battery has the lower of two voltages and gives both currents") {
+TEST_CASE("the battery message has the lower of two voltages and the sum of both currents") {
   const auto battery = battery_of(esc(12.6F, 3), esc(12.4F, 4.5F));
   CHECK(battery.voltages[0] == 12'400);
   CHECK(battery.current_battery == 750);
@@ -102,7 +102,7 @@ struct Scene {
   double boat_n, boat_e, psi, slot_n, slot_e, slot_psi;
 
   OwnState state() const {
-    // Part of the displacement happened after the last position.
+    // The boat has covered part of the displacement since its last position.
     return own_state_of<double>({boat_n - 1.5, boat_e + 0.5}, {{1.5, -0.5}, psi, {}, {}});
   }
   core::Error<double> error() const {
@@ -114,7 +114,7 @@ struct Scene {
 
 double turn_between(double a, double b) { return std::remainder(a - b, 2 * kPi); }
 
-TEST_CASE("a propeller's thrust is dead below THR_DEAD, of each direction's own greatest thrust") {
+TEST_CASE("thrust below THR_DEAD is dead, as a share of the greatest thrust in its own direction") {
   Configuration::Propulsion p;
   p.ahead_N = 50;
   p.astern_N = 20;
@@ -224,11 +224,11 @@ TEST_CASE_TEMPLATE("the state sent globally and read by a follower is the same s
     const Sample local = in_plane(*sample, kOrigin);
     CHECK(std::abs(convert::number(local.north_m) - 3000.5) < 0.006);
     CHECK(std::abs(convert::number(local.east_m) + 2000.25) < 0.006);
-    CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // a centimetre a second is the step of one
+    CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // one of the two messages has steps of 1 cm/s
     CHECK(std::abs(local.v_mps + 0.2) < 0.008);
     CHECK(local.r_radps == doctest::Approx(0.3));
   }
-  // ATTITUDE counts from the north of the local frame, these two from the true north.
+  // ATTITUDE's heading is relative to the local frame's north; these two use true north.
   const double turn = global_of({3000.5, -2000.25, kOrigin}).turn_rad;
   CHECK(turn == doctest::Approx(3.57e-4).epsilon(0.01));
   CHECK(own_heading_of(target)->psi_rad == doctest::Approx(2.5 - turn));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The oracle is <cmath> in long double, which is exact beside a double where it has 64 bits or more.
+// The oracle is <cmath> in long double; with 64 bits or more it is exact compared with a double.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -48,7 +48,7 @@ struct Boat {
     for (int i = 0; i < std::lround(6000 * minutes); ++i) {
       now_us += 10'000;
       const core::Tau<double> tau = helm(hull, turns, 0.8);
-      // A propeller that the model takes for stronger gets a smaller command.
+      // A propeller that is stronger in the model gets a smaller command.
       hull.balance = balance - double{monitor.applied(p).THR_BALANCE - p.THR_BALANCE};
       hull.step(tau);
       hull.balance = balance;
@@ -123,7 +123,7 @@ TEST_CASE("a correction is applied slowly and never too far; the parameter stays
   CHECK(boat.fastest < 0.0041F);
   CHECK(boat.p.THR_BALANCE == 0);
   CHECK(boat.monitor.applied(boat.p).VES_D11 == boat.p.VES_D11);
-  boat.p.LEARN_APPLY = 0;  // switched off: as it is set
+  boat.p.LEARN_APPLY = 0;  // switched off: the parameter applies as it is set
   boat.monitor.configure(boat.p, 0);
   CHECK(boat.monitor.applied(boat.p).THR_BALANCE == 0);
 }
@@ -145,7 +145,7 @@ TEST_CASE("a new hull parameter discards the learnt correction of the old one") 
   boat.monitor.configure(boat.p, 0);
   CHECK_FALSE(boat.monitor.told(Number::kBalance).has_value());
   CHECK(boat.monitor.applied(boat.p).THR_BALANCE == 0.06F);
-  boat.p.LAW_KX = 0.3F;  // no number of the hull
+  boat.p.LAW_KX = 0.3F;  // not a parameter of the hull
   boat.hull.balance = 0;
   boat.sail(0.5);
   CHECK(boat.findings.size() == 1);

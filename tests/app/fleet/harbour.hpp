@@ -27,8 +27,8 @@ struct Boat {
   bool on = true;
   bool may_follow = true;    ///< FORMATION is granted
   bool stopped = false;      ///< by an operator, not by a failure
-  std::uint8_t hears = 0;    ///< only that system; 0: all
-  std::uint8_t deaf_to = 0;  ///< does not hear that system
+  std::uint8_t hears = 0;    ///< the only system that it hears; 0: all
+  std::uint8_t deaf_to = 0;  ///< the system that it does not hear
   FleetPlace place{77, 3};
   std::size_t bytes = 0;
   int stops = 0;
@@ -135,7 +135,7 @@ inline void tablet_leads(Harbour& harbour) {
   harbour.hear(1, message_of(table_of(message_of(tablet, 0)), 0), kOperator);
 }
 
-/// Sails while tablet 50 tells its motion to all but boat 1.
+/// Sails while tablet 50 sends its motion to all boats except boat 1.
 inline void sail_behind_tablet(Harbour& harbour, int tenths) {
   for (int tenth = 0; tenth < tenths; ++tenth) {
     for (std::size_t who = 1; who < 4; ++who) harbour.hear(who, link::Attitude{}, {50, 1});

@@ -88,7 +88,8 @@ TEST_CASE("the assignment of slots minimises the sum of squared distances") {
   }
 }
 
-TEST_CASE("on straight paths no two boats come closer than 1.2 hulls; 2 if the leader stays") {
+TEST_CASE(
+    "boats on straight paths stay 1.2 hull lengths apart, and 2 if the leader keeps its slot") {
   std::mt19937 generator(11);
   int led_from_elsewhere = 0;
   for (int round = 0; round < 300; ++round) {
@@ -107,7 +108,7 @@ TEST_CASE("on straight paths no two boats come closer than 1.2 hulls; 2 if the l
   CHECK(led_from_elsewhere < 300);
 }
 
-TEST_CASE("each slot is assigned once, also to boats at unknown positions") {
+TEST_CASE("each slot is assigned once, even if the positions of some boats are unknown") {
   std::mt19937 generator(13);
   for (std::size_t count = 1; count <= FleetTable::kMax; ++count) {
     auto places = drawn(generator, count);
@@ -159,7 +160,7 @@ TEST_CASE("paths are relative to the boat that leads, whatever its rank") {
   }
 }
 
-TEST_CASE("a turn of the leader counts if it comes while the boats move") {
+TEST_CASE("a turn of the leader changes a move's duration only if it comes during the move") {
   FleetOutlook turns_north = straight(0.6F, 1.5708F);
   turns_north.count = FleetOutlook::kMax;
   turns_north.at.fill(turns_north.at[0]);
@@ -180,7 +181,7 @@ TEST_CASE("in a turning formation, outer boats have less speed left for their pa
   CHECK(outside_s > seconds({0, -1500}, {1500, -1500}, straight(0.6F), true) + 10);
 }
 
-TEST_CASE("a leader that sails faster later slows only the rest of the move down") {
+TEST_CASE("a leader that later sails faster slows down only the rest of the move") {
   constexpr double kSlow_mps = 0.33, kFast_mps = 0.6, kFrom_s = 60, kWay_m = 100, kIn_s = 7;
   FleetOutlook outlook = straight(static_cast<float>(kSlow_mps));
   outlook.count = FleetOutlook::kMax;

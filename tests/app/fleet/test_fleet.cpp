@@ -173,7 +173,7 @@ TEST_CASE("a beacon delayed by a slower link does not depose the leader") {
   }
 }
 
-TEST_CASE("a member that leads by a table unknown to all others is believed for ten seconds") {
+TEST_CASE("a member that leads by a table unknown to all others is followed for only ten seconds") {
   Harbour harbour = under_way();
   harbour.boats[3].on = false;
   link::FleetBeacon beacon{};
@@ -196,7 +196,7 @@ TEST_CASE("a member that leads by a table unknown to all others is believed for 
   CHECK(harbour.leader_of(2) == 2);
   CHECK(harbour.leader_of(1) == 1);
   harbour.hear(0, message_of(table_of_four(2), 0), kOperator);
-  repeat(50);  // a new table does not make it credible
+  repeat(50);  // boat 4 is still ignored after a new table
   CHECK(harbour.boats[0].state == core::State::kAuto);
   CHECK(harbour.leader_of(1) == 1);
 }
@@ -302,7 +302,8 @@ TEST_CASE("two boats that lead and do not hear each other: one yields within two
   CHECK(harbour.leader_of(3) == 1);
 }
 
-TEST_CASE("a boat that does not hear its own leader, now the fleet's, follows a boat that does") {
+TEST_CASE(
+    "its own leader now leads the fleet, but a boat cannot hear it: it follows a boat that can") {
   Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(3);
@@ -373,7 +374,7 @@ TEST_CASE("a stop is ordered once, also to a boat in HOLD or under an RC pilot")
   }
   for (int tick = 0; tick < 100; ++tick) {
     harbour.sail(0.01);
-    harbour.boats[2].state = core::State::kManual;  // as by an RC pilot's switch
+    harbour.boats[2].state = core::State::kManual;  // as an RC pilot's switch does
   }
   for (const Boat& boat : harbour.boats) CHECK(boat.stops == 1);
 }

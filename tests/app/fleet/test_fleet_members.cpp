@@ -101,7 +101,8 @@ TEST_CASE("a leader that the next table leaves out is replaced at once if it sto
   CHECK(harbour.boats[2].state == State::kAuto);
 }
 
-TEST_CASE("a restart of the leader is a failure, noticed at once, and no operator's order") {
+TEST_CASE(
+    "a leader that restarts has failed, unlike one stopped by its operator: boat 2 takes over") {
   for (const bool is_lost : {false, true}) {  // the first beacon after the restart, without a table
     CAPTURE(is_lost);
     Harbour harbour = under_way();
@@ -129,7 +130,7 @@ TEST_CASE("a late beacon from before a boat got its table changes nothing") {
   CHECK(harbour.leader_of(2) == 2);
 }
 
-TEST_CASE("a boat that was never fit leaves the tree of a fleet under way, until it is") {
+TEST_CASE("a boat that was never fit has no followers in a fleet under way, until it is fit") {
   Harbour harbour;
   harbour.boats[1].state = State::kDisarmed;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
@@ -140,8 +141,7 @@ TEST_CASE("a boat that was never fit leaves the tree of a fleet under way, until
   CHECK(harbour.leader_of(2) == 2);
 }
 
-TEST_CASE(
-    "a boat that no longer hears the leader, but others do, repeats that for two seconds only") {
+TEST_CASE("a boat that alone loses the leader sends frequent beacons for two seconds only") {
   Harbour harbour = under_way();
   harbour.boats[1].deaf_to = 1;
   harbour.sail(1.2);  // FS_LEADER_S and 0.2 s

@@ -62,7 +62,7 @@ TEST_CASE("a request to assign slots: the boat that hears it does so, and all ag
 }
 
 TEST_CASE(
-    "boats leave a request that all heard to the leader; if it did not hear it, they act on it") {
+    "the leader assigns slots if it heard the request; otherwise the boats that heard it do so") {
   Harbour harbour = under_way();
   FleetTable wish = table_of_four(2);
   wish.assigns = true;
@@ -84,7 +84,7 @@ TEST_CASE(
   CHECK(harbour.applied(3).FORM_OFS_E < 15);
 }
 
-TEST_CASE("a boat without a table leaves a request to those that have one") {
+TEST_CASE("a boat without a table leaves the assignment of slots to boats that have one") {
   Harbour harbour = under_way();
   FleetTable wish = table_of_four(2);
   wish.assigns = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who takes over knows whether the fleet sails its plan, and where it is in it.
+// A boat that takes over knows whether the fleet sails its plan, and the fleet's place in it.
 #include <doctest/doctest.h>
 
 #include <initializer_list>
@@ -90,7 +90,7 @@ TEST_CASE("a follower that its operator has stopped does not end the plan of oth
   }
 }
 
-TEST_CASE("who takes over from a leader that paused knows where the fleet was in its plan") {
+TEST_CASE("a boat that takes over from a paused leader knows the fleet's place in its plan") {
   Harbour harbour = under_way();
   harbour.boats[0].place = {77, 5};
   harbour.sail(3);

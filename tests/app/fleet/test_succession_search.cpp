@@ -41,7 +41,7 @@ struct Vessel {
   std::uint16_t epoch = 1;
   Succession rule;
   std::array<FleetPeer, kMaxBoats> peers{};
-  std::array<Word, 2> said{};  ///< the last one, and the one before: both may still arrive
+  std::array<Word, 2> said{};  ///< its last two beacons: both may still arrive
 };
 
 struct Node {
@@ -86,7 +86,7 @@ Word word_of(const Vessel& v, std::size_t rank) {
           hears && v.rule.followed() == hears};
 }
 
-/// Steps a boat until it has done what its rule asks, and lets it speak.
+/// Steps a boat until it has carried out its rule's orders, then sends its beacon.
 void settle(Vessel& v, std::size_t rank, Bug bug) {
   if (v.mode == Mode::kCrashed) return;
   for (bool again = true; again;) {
@@ -151,7 +151,7 @@ Node start(const Limits& limits) {
     v.reports = limits.reports;
     for (std::size_t j = 0; j < boats; ++j) v.peers[j] = {true, j != 0, j == 0, v.epoch};
     v.rule.begin(table_at(v.epoch));
-    // Boat 1 was put into AUTO by its operator.
+    // The operator has put boat 1 into AUTO.
     v.rule.step(table_at(v.epoch), {i, v.epoch, i != 0, true, i == 0, i == 0, false}, v.peers);
     v.said = {word_of(v, i), word_of(v, i)};
   }
@@ -358,11 +358,11 @@ class Seen {
 
 struct Found {
   std::size_t states = 0;
-  bool whole = false;  ///< all that there are
+  bool whole = false;  ///< no state was left out
   Broken broken;
 };
 
-/// All states, the nearest to the start first, up to the first that is broken.
+/// Searches all states, those nearest to the start first, and ends at the first violation.
 Found search(const Limits& limits, Bug bug) {
   Found found;
   Seen seen;
@@ -412,7 +412,7 @@ void check(const Limits& limits) {
   CHECK(found.broken.stop_lost == 0);
 }
 
-TEST_CASE("no history of failures and of the radio makes two leaders, or loses a stop") {
+TEST_CASE("no sequence of boat and radio failures leads to two leaders, or loses a stop") {
   check({.failures = 2, .deafs = 0, .splits = false, .reports = false, .last = 1});
   check({.boats = 3, .failures = 1, .deafs = 0, .reports = false, .last = 1});
   check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .last = 1, .states = 100'000});
@@ -427,7 +427,7 @@ TEST_CASE("no history of failures and of the radio makes two leaders, or loses a
   check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .first = 2, .states = 3'000'000});
 }
 
-TEST_CASE("the search finds deliberate mistakes") {
+TEST_CASE("the search finds mistakes that were built into the rule on purpose") {
   for (const Bug bug :
        {Bug::kNeverYields, Bug::kTakesOldTables, Bug::kLeaderIgnoresStop, Bug::kNeverSilent}) {
     CAPTURE(static_cast<int>(bug));

@@ -109,7 +109,7 @@ TEST_CASE("a table in force is passed on with the time since then, in steps of 0
   CHECK(in_ms_of(message_of(table, -90'000'000)) == -6'553'500);
 }
 
-TEST_CASE("of two tables with one epoch all boats choose the same") {
+TEST_CASE("two tables with the same epoch: all boats choose the same one") {
   FleetTable other = table_of_four(1);
   other.members[3].slot_cm[0] = -1300;
   const FleetTable a = table_of_four(1), b = table_of(message_of(other, 0));

@@ -43,7 +43,7 @@ struct Fleet {
   auto late() const { return reports.late(now_us); }
 };
 
-TEST_CASE("a follower that falls out of its slot is waited for until it is back") {
+TEST_CASE("the leader waits for a follower that falls out of its slot, until it is back") {
   Fleet fleet;
   fleet.run(1);
   fleet.in_slot(1);
@@ -57,7 +57,8 @@ TEST_CASE("a follower that falls out of its slot is waited for until it is back"
   CHECK_FALSE(fleet.late());
 }
 
-TEST_CASE("a follower is not waited for longer than WP_WAIT_S, then only as long as it was back") {
+TEST_CASE(
+    "the leader waits for at most WP_WAIT_S, and later only as long as the follower was back") {
   Fleet fleet;
   fleet.run(1);
   fleet.in_slot(1);
@@ -68,14 +69,14 @@ TEST_CASE("a follower is not waited for longer than WP_WAIT_S, then only as long
   fleet.in_slot(0);
   CHECK_FALSE(fleet.late());
   fleet.in_slot(1);
-  SUBCASE("left and came again") {
+  SUBCASE("it left and came back") {
     fleet.follows = false;
     fleet.run(0.1);
     fleet.follows = true;
     fleet.run(0.1);
     fleet.in_slot(1);
   }
-  SUBCASE("never away") {}
+  SUBCASE("it never left") {}
   fleet.in_slot(0);
   fleet.run(0.5);
   CHECK_FALSE(fleet.late());

@@ -42,7 +42,7 @@ struct Path {
   }
 };
 
-TEST_CASE("a moving slot has course, speed and yaw rate of its path, also against the leader") {
+TEST_CASE("a slot that moves in any direction has the course, speed and yaw rate of its path") {
   constexpr double h = 1e-3;
   for (const bool turns : {false, true}) {
     for (double way = 0; way < 2 * std::numbers::pi; way += 0.3) {

@@ -87,7 +87,8 @@ double off_m(const Boat<S>& boat, std::int64_t us) {
   return std::hypot(north, east);
 }
 
-/// Boats in a line behind the root; each hears its neighbours, delay_us late, with clocks hours apart.
+/// Boats in a line behind the root, with clocks hours apart; each hears its neighbours delay_us
+/// late.
 template <class S>
 struct Line {
   static constexpr std::int64_t kDelay_us = 150'000;
@@ -185,7 +186,7 @@ TEST_CASE("each hop adds its own share to the age, and no more than a tick of wa
   }
 }
 
-TEST_CASE("switched off, a boat neither follows a reference nor sends one") {
+TEST_CASE("with LAW_REF 0 a boat neither follows a reference nor sends one") {
   Line<double> line(3);
   auto p = parameters(2, 1);
   p.LAW_REF = 0;
@@ -337,7 +338,7 @@ TEST_CASE("a repeated or older reference changes nothing") {
   CHECK(off_m(f.boat, 2 * kSecond_us) < 0.01);
 }
 
-TEST_CASE("a leader's new slot stays although late copies of earlier messages arrive") {
+TEST_CASE("a leader's new slot is kept when late copies of earlier messages arrive") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   for (std::int64_t us = 2 * kSecond_us; us < 3 * kSecond_us; us += 100'000) {
@@ -350,7 +351,7 @@ TEST_CASE("a leader's new slot stays although late copies of earlier messages ar
   }
 }
 
-TEST_CASE("of 100 references a second a fifth is used, and the root is known as precisely") {
+TEST_CASE("of 100 references a second only 20 are used, and the root is still known within 1 cm") {
   Follower f;
   for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += kTick_us) {
     f.hear(Follower::reference(us, ++f.sequence), us);
@@ -366,7 +367,7 @@ TEST_CASE("a sequence number that wraps after 65536 continues") {
   CHECK(f.news() == 20);
 }
 
-TEST_CASE("a restarted maker of references is followed again after its first second") {
+TEST_CASE("a boat that makes references and restarts is followed again after its first second") {
   Follower f;
   f.sequence = 5000;
   f.hear_until(kSecond_us, 3 * kSecond_us);
@@ -376,7 +377,8 @@ TEST_CASE("a restarted maker of references is followed again after its first sec
   CHECK(off_m(f.boat, 6 * kSecond_us) < 0.01);
 }
 
-TEST_CASE("any boat of the branch may send the newest reference, none of another branch") {
+TEST_CASE(
+    "a newer reference is accepted from any boat of the branch, and never for another branch") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   const std::uint32_t news = f.news();
@@ -443,7 +445,7 @@ TEST_CASE("a root that jumps is followed only after it has stayed there for a se
   }
 }
 
-TEST_CASE("a root that jumps when another boat makes its reference is not followed either") {
+TEST_CASE("a root that jumps because another boat now makes its reference is not followed either") {
   Follower f;
   f.hear_until(kSecond_us, 3 * kSecond_us);
   auto m = Follower::reference(3 * kSecond_us, ++f.sequence);
@@ -515,7 +517,7 @@ TEST_CASE("a leader out of its slot is followed directly, by a reference made on
   CHECK(f.boat.tell(3 * kSecond_us)->path[1] == kRoot);
 }
 
-TEST_CASE("a reference of unknown age is relayed as such, and is not steered by") {
+TEST_CASE("a reference of unknown age is relayed as such, and is not followed") {
   Follower f;
   Parameters unknown = parameters(2, 1);
   unknown.FORM_LAG_S = -1;

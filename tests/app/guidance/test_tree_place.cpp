@@ -56,7 +56,7 @@ TEST_CASE("behind a leader that sends its place, slots and paths add up") {
   CHECK(p.path(0) == path_of({kLeader, kMaker, kRoot}));
 }
 
-TEST_CASE("a slot that turns is added to what turns with the root") {
+TEST_CASE("offsets that turn with the root and offsets that do not are summed separately") {
   TreePlace p = place(true);
   p.hear(word(), 0, 0);
   CHECK(p.offset(0)->n == convert::WireOffset{-3072, 0});
@@ -70,7 +70,7 @@ TEST_CASE("a slot that turns is added to what turns with the root") {
   CHECK(behind.offset(0)->b == convert::WireOffset{-1024, 2048});
 }
 
-TEST_CASE("a slot that turns with a leader whose own slot turns is not one of the root") {
+TEST_CASE("a turning slot behind a turning slot has no fixed offset from the root") {
   TreePlace p = place(true);
   auto m = word();
   m.offset_b = {-1024, 0};
@@ -90,7 +90,7 @@ TEST_CASE("a leader out of its slot is followed directly") {
   CHECK(p.path(0) == path_of({kLeader, kMaker, kRoot}));
 }
 
-TEST_CASE("a leader's place is valid for three seconds, that of another leader never") {
+TEST_CASE("a leader's place is valid for three seconds, and not for another leader") {
   TreePlace p = place();
   p.hear(word(), 0, 0);
   CHECK(p.branch(3 * kSecond_us - 1));
@@ -146,7 +146,7 @@ TEST_CASE("a branch whose reference the boat made itself is not used") {
   CHECK_FALSE(p.branch(0));
 }
 
-TEST_CASE("a full path is too deep to be extended") {
+TEST_CASE("a boat behind a full path is too deep in the tree") {
   TreePlace p = place();
   auto m = word();
   for (std::size_t i = 0; i < m.path.size(); ++i) m.path[i] = static_cast<std::uint8_t>(10 + i);
@@ -167,7 +167,7 @@ TEST_CASE("a leader with outdated data is dropped, and used again only after som
   };
   CHECK(hear(10 * kSecond_us, 2'900'000));
   CHECK_FALSE(hear(11 * kSecond_us, 3'100'000));
-  CHECK_FALSE(hear(12 * kSecond_us, 2'500'000));  // younger, but not young enough
+  CHECK_FALSE(hear(12 * kSecond_us, 2'500'000));  // less old, but still too old
   for (int s = 13; s < 16; ++s) CHECK_FALSE(hear(s * kSecond_us, 2'000'000));
   CHECK(hear(16 * kSecond_us, 2'000'000));
   CHECK(hear(17 * kSecond_us, 2'900'000));

@@ -74,7 +74,7 @@ TEST_CASE("TIMESYNC over a symmetric radio gives the exact offset, apart from th
   CHECK(std::abs(radio.error_ms(clock, 3'000'000)) < 0.1);
 }
 
-TEST_CASE("jitter of 100 ms and a drift of 20 ppm over an hour leave 60 ms") {
+TEST_CASE("100 ms jitter, 20 ppm clock drift: the offset's error stays below 60 ms for an hour") {
   for (const double drift : {-20.0, 20.0}) {
     Radio radio{-2 * kHour_us, drift, 10'000, 100'000.0};
     ClockOffset clock;
@@ -85,7 +85,7 @@ TEST_CASE("jitter of 100 ms and a drift of 20 ppm over an hour leave 60 ms") {
   }
 }
 
-TEST_CASE("a steady radio and a drift of 20 ppm over an hour leave half a millisecond") {
+TEST_CASE("steady radio, 20 ppm clock drift: the offset's error stays below 0.5 ms for an hour") {
   for (const double drift : {-20.0, 20.0}) {
     Radio radio{kHour_us, drift, 30'000, 0.0};
     ClockOffset clock;
@@ -96,7 +96,8 @@ TEST_CASE("a steady radio and a drift of 20 ppm over an hour leave half a millis
   }
 }
 
-TEST_CASE("an answer bounds the offset however long it took, if it is of the stamps' clock") {
+TEST_CASE(
+    "an answer bounds the offset, however long it took, if it shows the same clock as the stamps") {
   for (const std::int64_t delay_us : {0L, 2'400'000L, 10'000'000L, 15'000'000L}) {
     Radio radio{kHour_us, 0, delay_us, 0.0};
     ClockOffset clock;
@@ -164,8 +165,7 @@ struct Late {
     return us + static_cast<std::int64_t>(drift * static_cast<double>(us)) +
            (us < set_us ? 0 : ahead_us);
   }
-  /// Excess of the true age of a message that arrives now over its greatest possible age by the
-  /// clock.
+  /// The true age of a message that arrives now, minus the greatest age that the clock allows.
   std::int64_t missing_us() const {
     return theirs(now_us - to_us) + *clock.least_us() - (now_us - to_us);
   }
@@ -191,7 +191,8 @@ struct Late {
   }
 };
 
-TEST_CASE("late messages are as old as before when their clock is set ahead, in one step or two") {
+TEST_CASE(
+    "late messages do not look younger after their sender's clock was set ahead once or twice") {
   for (const auto& [to_us, fro_us, step_us] :
        {std::array{1'900'000L, 100'000L, 1'900'000L}, std::array{1'900'000L, 100'000L, 900'000L},
         std::array{5'000'000L, 5'000'000L, 9'900'000L},
@@ -206,7 +207,7 @@ TEST_CASE("late messages are as old as before when their clock is set ahead, in 
   }
 }
 
-TEST_CASE("late messages are as old as before while their clock runs fast") {
+TEST_CASE("late messages do not look younger while their sender's clock runs fast") {
   for (const auto& [drift, fro_us] :
        {std::pair{0.01, 1'200'000L}, std::pair{0.001, 100'000L}, std::pair{0.01, 0L}}) {
     Late late{1'200'000, fro_us, drift};
@@ -226,7 +227,7 @@ TEST_CASE("a clock that is set back and ahead again is known after 32 answers") 
   CHECK(late.clock.was_answered());
 }
 
-TEST_CASE("messages that get faster are known as precisely as before, without a new answer") {
+TEST_CASE("when messages get faster, the offset keeps its lower bound without a new answer") {
   Late late{1'900'000, 100'000};
   late.talk(5);
   late.to_us = 100'000;

@@ -10,7 +10,8 @@ using Verdict = Headings<double>::Verdict;
 
 convert::HeadingSample<double> at(std::int64_t stamp_us) { return {stamp_us, 0.5, 0}; }
 
-TEST_CASE("headings are kept of the component in use and of one other, which is kept on a switch") {
+TEST_CASE(
+    "headings are kept for the component in use and one other; a switch to it keeps its heading") {
   Headings<double> headings;
   CHECK(headings.of(1, true) == nullptr);
   CHECK(headings.take(at(100'000), 1, true, false, 100'000) == Verdict::kTaken);

@@ -13,8 +13,9 @@ void take(MotionFilter<S>& filter, double u, double dt, bool resumes = false) {
   filter.take({S(0), {S(u), S(0), S(0)}, S(dt)}, resumes);
 }
 
-TEST_CASE_TEMPLATE("without smoothing, a vessel continues with its last state, and fixes act alike",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "without smoothing, a track keeps its last state as it is; its fixes are as with smoothing", S,
+    float, double) {
   MotionFilter<S> smooth, raw;
   raw.set_smoothing(false);
   for (int k = 0; k <= 10; ++k) {
@@ -36,8 +37,9 @@ TEST_CASE_TEMPLATE("without smoothing, a vessel continues with its last state, a
   CHECK(raw.track().nu_dot.u == S(0));
 }
 
-TEST_CASE_TEMPLATE("of several fixes between two ticks, the last one is used, with the time of all",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "of several fixes between two ticks, the last one is used, and its dt covers all of them", S,
+    float, double) {
   MotionFilter<S> filter;
   CHECK_FALSE(filter.take_fix());
   take(filter, 2, 0);
@@ -53,7 +55,7 @@ TEST_CASE_TEMPLATE("of several fixes between two ticks, the last one is used, wi
   CHECK(filter.take_fix().value().dt == S(0));
 }
 
-TEST_CASE_TEMPLATE("a standby filter knows the acceleration as well, and produces no fixes", S,
+TEST_CASE_TEMPLATE("a filter on standby estimates the acceleration, but produces no fixes", S,
                    float, double) {
   MotionFilter<S> filter;
   filter.stand_by(true);

@@ -42,7 +42,7 @@ TEST_CASE("one vessel's reboots, late messages, clock drift and 49-day wrap are 
     std::uint32_t drifted_ms = clock_ms(now_us, began_s) + static_cast<std::uint32_t>(k / 100);
     if (k < 500) drifted_ms -= 9'020'000;  // turns at k = 200
     leader.hear(drifted_ms, now_us);
-    if (k % 170 == 5) leader.hear(drifted_ms - 7'000, now_us);  // one that was long on its way
+    if (k % 170 == 5) leader.hear(drifted_ms - 7'000, now_us);  // a message that was delayed by 7 s
     if (k % 200 == 7) leader.hear(drifted_ms - 4'000, now_us);
     REQUIRE_FALSE(leader.seen(now_us));
   }

@@ -34,7 +34,7 @@ TEST_CASE("local positions count once their own component has reported its origi
   CHECK(origins.in_plane(local()).east_m == local().east_m);
 }
 
-TEST_CASE("the first origin is that of the positions before it") {
+TEST_CASE("the first origin applies to the positions received before it") {
   Origins origins;
   origins.take(kOrigin, 1, true, 10);
   origins.locate();
@@ -65,7 +65,8 @@ TEST_CASE("another component's origin waits until that one is in use") {
   CHECK(origins.position().origin.latitude == other.latitude);
 }
 
-TEST_CASE("an origin moves local positions where another one was known, and no global ones") {
+TEST_CASE(
+    "a new origin moves local positions if another was known before; it moves no global ones") {
   link::GpsGlobalOrigin other = kOrigin;
   other.latitude += 1;
   Origins origins;
@@ -77,7 +78,7 @@ TEST_CASE("an origin moves local positions where another one was known, and no g
   CHECK_FALSE(origins.moves_to(other));
 }
 
-TEST_CASE("global positions need no origin, and the one that they get stays") {
+TEST_CASE("global positions get an origin of their own; a reported origin does not replace it") {
   Origins origins;
   CHECK_FALSE(origins.is_of_kind(global(40)));
   origins.anchor(global(40), 1);
@@ -93,7 +94,7 @@ TEST_CASE("global positions need no origin, and the one that they get stays") {
   CHECK(origins.position().origin.longitude == kOrigin.longitude);
 }
 
-TEST_CASE("global positions count from the origin of their component where that is near") {
+TEST_CASE("global positions use their component's origin if it is near") {
   for (const double east_m : {40.0, 200e3}) {
     Origins origins;
     origins.take(kOrigin, 1, true, 10);

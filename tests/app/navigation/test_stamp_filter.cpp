@@ -26,7 +26,8 @@ TEST_CASE("the first stamp is accepted whatever it is, as is the first one after
   }
 }
 
-TEST_CASE("a stamp that is not newer is late, or set or wrapped if no time has passed") {
+TEST_CASE(
+    "a stamp that is not newer is late; over 1 s off, the clock was set; over 10 min, it wrapped") {
   const StampFilter filter = after_an_hour();
   const auto judged = [&](std::int64_t later_us, std::int64_t after_us) {
     return filter.judge(kHour_us + later_us, 1'000'000 + after_us);
@@ -54,7 +55,7 @@ TEST_CASE("a vessel has rebooted when old stamps advance and nothing newer came 
   CHECK(filter.judge(1'100'000, 2'100'000) == Verdict::kRestarted);
 }
 
-TEST_CASE("old stamps are late, not from a reboot, unless booted since or set back over a minute") {
+TEST_CASE("old stamps are only late, unless a reboot explains them or they go back over a minute") {
   const auto judged = [](std::int64_t back_us, std::int64_t silent_us) {
     StampFilter filter = after_an_hour();
     const std::int64_t stamp_us = kHour_us + silent_us - back_us;
@@ -75,7 +76,7 @@ TEST_CASE("the first old stamp is no reboot, however long the vessel was silent"
   CHECK(after_an_hour().judge(5, kHour_us) == Verdict::kLate);
 }
 
-TEST_CASE("states are regularly late when three late ones come in order, with none accepted") {
+TEST_CASE("three late states in order, and none accepted: states count as regularly late") {
   StampFilter filter = after_an_hour();
   for (const std::int64_t stamp_us : {3, 4, 2, 3}) {
     filter.refuse(stamp_us);

@@ -134,7 +134,9 @@ TEST_CASE_TEMPLATE("when the fast link is lost, states of the slow one keep thei
   CHECK(w.track.clock_resets() == resets + 1);  // by the first state
 }
 
-TEST_CASE_TEMPLATE("after a reboot of the vessel its latency may be another", S, float, double) {
+TEST_CASE_TEMPLATE(
+    "a vessel's reboot counts as a clock reset, because its latency may have changed", S, float,
+    double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 2'000'000; t += 100'000) w.hear(at(9 * kHour_us + t, 1), t);
   const std::uint8_t resets = w.track.clock_resets();
@@ -155,7 +157,9 @@ TEST_CASE_TEMPLATE(
   }
 }
 
-TEST_CASE_TEMPLATE("one stamp from the far future costs two seconds at most", S, float, double) {
+TEST_CASE_TEMPLATE(
+    "after one stamp from the far future, states are accepted again within two seconds", S, float,
+    double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 10'000'000; t += 100'000) {
     w.hear(at(t == 5'000'000 ? 20 * kHour_us : t + 1000, 3), t);
@@ -281,8 +285,8 @@ TEST_CASE_TEMPLATE(
   CHECK(w.track.position().north_m == 8);
 }
 
-TEST_CASE_TEMPLATE("a lower component with an attitude but no position silences no source", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a component that sends ATTITUDE only does not silence another one's ODOMETRY",
+                   S, float, double) {
   Watch<S> w;
   for (std::int64_t t = 0; t < 5'000'000; t += 100'000) {
     w.hear(link::Attitude{static_cast<std::uint32_t>(t / 1000), 0, 0, 0, 0, 0, 0}, t, {5, 1});
@@ -291,7 +295,7 @@ TEST_CASE_TEMPLATE("a lower component with an attitude but no position silences 
   }
 }
 
-TEST_CASE_TEMPLATE("a heading of another time is not joined with a position", S, float, double) {
+TEST_CASE_TEMPLATE("a heading four seconds old is not combined with a position", S, float, double) {
   Watch<S> w;
   w.hear(link::Attitude{1000, 0, 0, 0.5F, 0, 0, 0}, 1'000'000);
   w.hear(link::LocalPositionNed{5000, 1, 0, 0, 1, 0, 0}, 5'000'000);
@@ -308,8 +312,9 @@ TEST_CASE_TEMPLATE("TIMESYNC gives the age of a delayed message", S, float, doub
   CHECK(w.track.age_us(3'000'000) == 100'000);
 }
 
-TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offset is taken out", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "an origin counts if its coordinates are valid; the antenna's offset is subtracted", S, float,
+    double) {
   Watch<S> w;
   w.hear(link::GpsGlobalOrigin{950'000'000, 0, 0, 0}, 0);
   CHECK_FALSE(w.track.has_origin());
@@ -422,8 +427,8 @@ TEST_CASE_TEMPLATE("a local position without a known origin ranks below every gl
   CHECK(w.track.position().origin.longitude == kOrigin.longitude);
 }
 
-TEST_CASE_TEMPLATE("a fix on the other side of the globe is not taken for one near the old one", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a fix on the other side of the globe does not count as near the old position",
+                   S, float, double) {
   Watch<S> w;
   const auto hear = [&](std::int64_t us, std::int32_t longitude) {
     w.hear(link::Attitude{convert::boot_ms(us), 0, 0, 0, 0, 0, 0}, us);
@@ -439,9 +444,8 @@ TEST_CASE_TEMPLATE("a fix on the other side of the globe is not taken for one ne
   CHECK(hear(us += 100'000, 22'950'100));
 }
 
-TEST_CASE_TEMPLATE(
-    "after a reboot, whatever source comes first, the old origin is not the new one's", S, float,
-    double) {
+TEST_CASE_TEMPLATE("after a reboot, the old origin is not used, whichever source comes first", S,
+                   float, double) {
   for (const bool odometry : {false, true}) {
     FourSources<S> w;
     w.odometry = w.local = true;
@@ -460,7 +464,7 @@ TEST_CASE_TEMPLATE(
     CHECK(believed > 15);
     CHECK(w.track.position().east_m == 0.5F);
     w.hear(kOrigin, w.now_us + 4'000'000);
-    CHECK_FALSE(w.track.has_origin());  // the place from there is to be compared with the last one
+    CHECK_FALSE(w.track.has_origin());  // until its next place is compared with the last one
     const std::int64_t next_us = 4'100'000;
     w.hear(link::Attitude{convert::boot_ms(next_us), 0, 0, 0, 0, 0, 0}, w.now_us + next_us);
     w.hear(local_at(next_us, 0.5F), w.now_us + next_us);
@@ -503,8 +507,8 @@ TEST_CASE_TEMPLATE("changing the source keeps the acceleration and the age measu
   }
 }
 
-TEST_CASE_TEMPLATE("a vessel whose FOLLOW_TARGET has no attitude takes ATTITUDE's of its time", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("FOLLOW_TARGET without attitude is combined with the ATTITUDE of its own time",
+                   S, float, double) {
   Watch<S> w;
   link::FollowTarget m = follow_target_at(1'000'000, 0);
   m.est_capabilities = 1 | 2;
@@ -565,8 +569,7 @@ TEST_CASE_TEMPLATE("following another vessel discards all data of the previous o
   CHECK(double(w.track.motion(w.now_us).nu_dot.u) == 0);
 }
 
-TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message on", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a new antenna offset applies from the next message on", S, float, double) {
   Watch<S> w;
   w.hear(at(1'000'000, 10), 1'000'000);
   w.track.set_antenna({S(1.5), S(0.5)});
@@ -575,9 +578,8 @@ TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message
   CHECK(convert::number(w.track.position().north_m) == doctest::Approx(8.5));
 }
 
-TEST_CASE_TEMPLATE(
-    "the longer a vessel is silent, and the less its clock is known, the less certain its place", S,
-    float, double) {
+TEST_CASE_TEMPLATE("the longer a vessel is silent, the less certain its position", S, float,
+                   double) {
   Watch<S> w;
   CHECK_FALSE(w.track.uncertainty_m(0));
   for (std::int64_t t = 1'000'000; t <= 2'000'000; t += 100'000) w.hear(at(t, 1e-6F * float(t)), t);

@@ -234,19 +234,19 @@ TEST_CASE("a message is requested by its number, directly or by the older comman
   }
 }
 
-TEST_CASE("an interval is −1, 0 or microseconds; NaN and nonsense are denied") {
+TEST_CASE("an interval is −1, 0 or a number of microseconds; any other value is denied") {
   const auto interval = [](float us) { return meaning(mav::kCmdSetMessageInterval, 30, us); };
   CHECK(interval(-1).rate->interval_us == -1);
   CHECK(interval(0).rate->interval_us == 0);
   CHECK(interval(100'000).rate->interval_us == 100'000);
-  CHECK(interval(0.25F).rate->interval_us == 1);  // fast, not the default
+  CHECK(interval(0.25F).rate->interval_us == 1);  // the fastest, not the default
   CHECK(interval(1e6F).rate->id == 30);
   CHECK_FALSE(interval(1e6F).reads_only());
   for (const float us : {-2.0F, -1.001F, 1e10F, NAN, INFINITY, -INFINITY})
     CHECK(denied(interval(us)));
 }
 
-TEST_CASE("COMMAND_INT and SET_MODE mean what COMMAND_LONG means") {
+TEST_CASE("COMMAND_INT and SET_MODE have the same effect as COMMAND_LONG") {
   const Command as_long =
       *command_of(link::CommandLong{209, {1, 0, 10, 2, 1, 0, NAN}, {7, 191}, 3});
   for (unsigned frame = 0; frame < 256; ++frame) {
@@ -270,7 +270,7 @@ TEST_CASE("COMMAND_INT and SET_MODE mean what COMMAND_LONG means") {
   CHECK_FALSE(command_of(RequestMessage{}).has_value());
 }
 
-TEST_CASE("no bit pattern in a command's fields breaks anything") {
+TEST_CASE("any bit pattern in a command's fields gives a valid request or none") {
   constexpr std::uint32_t kSeed = 11;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);

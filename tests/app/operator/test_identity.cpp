@@ -97,7 +97,7 @@ TEST_CASE("ground stations and other companions are no autopilots") {
   CHECK(boat.self().system == 42);
 }
 
-TEST_CASE("the leader's autopilot is not a companion's own, alone or beside it") {
+TEST_CASE("a companion never takes the id of its leader's autopilot") {
   Identity boat = identity(true, 7, 191);
   boat.heard({100, 1}, beat(), kLeader, 0);
   CHECK_FALSE(boat.latch(false, 5 * kSecond_us));

@@ -60,7 +60,7 @@ TEST_CASE("requests are queued in order with link and time of reading; one too m
   CHECK(counters.requests_dropped == 3);
 }
 
-TEST_CASE("a request that cannot be answered yet keeps its place, as do those behind the last") {
+TEST_CASE("requests that are not answered in this tick keep their order for the next") {
   constexpr std::uint32_t kSeed = 9;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -104,7 +104,7 @@ TEST_CASE("a request that cannot be answered yet keeps its place, as do those be
   CHECK(counters.requests_dropped == static_cast<std::uint32_t>(dropped));
 }
 
-TEST_CASE("the last request, or one of an empty inbox, leaves no request behind") {
+TEST_CASE("an inbox is empty after its only request was taken as the tick's last") {
   using enum Inbox::Taken;
   Inbox inbox;
   link::Counters counters;

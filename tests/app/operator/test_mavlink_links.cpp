@@ -46,8 +46,7 @@ Bytes any_bytes(std::size_t size, std::uint8_t first) {
   return out;
 }
 
-TEST_CASE(
-    "each link has a limit of its own, and the state and the rest have buckets of their own") {
+TEST_CASE("each link has its own limit, and separate buckets for the state and for the rest") {
   Ship s;
   s.links.bucket(1).limit(1000);
   CHECK(s.links.bucket(0).limit() == 0);
@@ -234,7 +233,7 @@ TEST_CASE("before the first heartbeat nothing is an echo") {
   }
 }
 
-TEST_CASE("under a new id every link goes on counting where it was") {
+TEST_CASE("after a change of id every link continues its sequence numbers") {
   Ship s;
   link::MavlinkDecoder decoder;
   for (int k = 0; k < 3; ++k) s.send(0, kBeat);
@@ -252,7 +251,7 @@ TEST_CASE("under a new id every link goes on counting where it was") {
 
 // A message that is cut off.
 
-TEST_CASE("behind the false start of an abandoned message, another message is found") {
+TEST_CASE("a good message after the false start of an abandoned one is found") {
   link::MavlinkEncoder encoder({255, 190});
   Bytes stream{0xFD, 200, 0, 0};
   const Bytes frame = testing::frame_of(encoder, kAttitude);
@@ -271,7 +270,7 @@ TEST_CASE("behind the false start of an abandoned message, another message is fo
   CHECK(std::ranges::equal(s.links.frame(0), frame));
 }
 
-TEST_CASE("the rest of a message is awaited for 0.3 s, however slowly it arrives, and no longer") {
+TEST_CASE("an incomplete message is abandoned after 0.3 s, however slowly its bytes arrive") {
   const Bytes frame = [] {
     link::MavlinkEncoder encoder({255, 190});
     return testing::frame_of(encoder, kAttitude);
@@ -292,7 +291,7 @@ TEST_CASE("the rest of a message is awaited for 0.3 s, however slowly it arrives
   }
 }
 
-TEST_CASE("each message has its own 0.3 s, though the link is never quiet") {
+TEST_CASE("the 0.3 s start anew with each message, even on a link that is never quiet") {
   link::MavlinkEncoder encoder({255, 190});
   Ship s;
   Bytes stream;

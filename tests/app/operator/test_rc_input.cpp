@@ -114,7 +114,8 @@ TEST_CASE("moving a stick takes control from the law, and from nobody else") {
   CHECK_FALSE(still.request());
 }
 
-TEST_CASE("a throttle resting at its lower end is not moved; one that leaves it is") {
+TEST_CASE(
+    "a throttle at rest at its lower end requests nothing; one that leaves it requests MANUAL") {
   Transmitter t;
   t.set(1500, 1000, 1000);
   for (const State state : {State::kDisarmed, State::kHold, State::kFormation, State::kCoast}) {

@@ -26,7 +26,8 @@ TEST_CASE("a message is forwarded where its target was heard, and never to unkno
   CHECK(router.beyond({3, 0}, 0, kNow_us) == 0);
 }
 
-TEST_CASE("a system is on every link on which one of its components was heard in the last 10 s") {
+TEST_CASE(
+    "a system is reached on each link where one of its components was heard in the last 10 s") {
   Room room;
   Router router(room);
   router.heard({2, 1}, 1, kNow_us);

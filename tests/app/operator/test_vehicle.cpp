@@ -54,7 +54,7 @@ TEST_CASE("every state has its heartbeat") {
   }
 }
 
-TEST_CASE("termination leads to FAULT from every state, which only a disarm leaves") {
+TEST_CASE("termination leads to FAULT from every state, and only a disarm leads out of it") {
   for (const State from : kEveryState) {
     Ship s;
     s.bring_to(from);

@@ -89,7 +89,7 @@ TEST_CASE(
   s.pass(1);
   while (references(s, 1, [](int) { return false; }).empty()) {
   }
-  // The next turn is ten ticks later; from here on news comes three ticks before each.
+  // The next one is due in ten ticks; from here on news comes three ticks before each is due.
   const auto told = references(s, 200, [](int k) { return k % 10 == 6; });
   REQUIRE(told.size() == 20);
   for (const int k : told) CHECK(k % 10 == 6);
@@ -109,8 +109,8 @@ TEST_CASE("a set parameter is in force before any later request is handled") {
   Ship s;
   s.tick();
   s.set("MAV_GCS_SYSID", 99);
-  s.command(mav::kCmdComponentArmDisarm, 1);  // of 255
-  s.set("LAW_KX", 0.5F);                      // too
+  s.command(mav::kCmdComponentArmDisarm, 1);  // from system 255
+  s.set("LAW_KX", 0.5F);                      // also from system 255
   s.vehicle->begin(s.now_us, kTick_us);
   s.vehicle->apply_conditions(s.world, s.counters);
   CHECK(s.vehicle->answer(s.counters));  // more requests are pending; the change comes first:
@@ -170,7 +170,7 @@ TEST_CASE("a disarm behind any flood of requests is answered in the next tick") 
         }
       }
       s.command(mav::kCmdComponentArmDisarm, 0);
-      for (int k = 0; k < 5; ++k) {  // nor is it undone by an arming that found no room before it
+      for (int k = 0; k < 5; ++k) {  // an earlier arming that found no room does not undo it
         s.tick();
         REQUIRE(s.state() == State::kDisarmed);
       }

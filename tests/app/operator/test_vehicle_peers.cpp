@@ -227,7 +227,7 @@ TEST_CASE("a confirmation prevails over a changed parameter, in either order") {
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
 }
 
-// Telling.
+// Texts and broadcasts.
 
 TEST_CASE("a text of any length reaches every link completely, in chunks as the protocol says") {
   std::uint16_t last_id = 0;

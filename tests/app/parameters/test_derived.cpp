@@ -94,7 +94,7 @@ TEST_CASE("units do not matter: a boat of twice the mass, inertia and drag gets 
   }
 }
 
-TEST_CASE("a heavy boat of unknown lag gets slower loops than with none") {
+TEST_CASE("a heavy boat with unknown thrust lag gets slower loops than one without lag") {
   Parameters p;
   p.VES_M11 = 80;
   p.VES_M33 = 40;
@@ -133,7 +133,7 @@ TEST_CASE("each kind of gain conflict is reported with its time constants") {
   CHECK(found->time_s == doctest::Approx(41.45 / 1262));
   CHECK(damping(41.45, 62, 41.45 / found->allowed_s - 62, 0.118) == doctest::Approx(0.5));
   CHECK(found->more);
-  p.THR_LAG = -1;  // its limit on the gains is unknown
+  p.THR_LAG = -1;  // lag unknown, and so is its limit on the gains
   CHECK_FALSE(gain_fault(p));
   p = fits;
   p.VES_D33 = 5;
@@ -162,7 +162,8 @@ TEST_CASE("a long boat looks as far ahead as its lateral loop needs, a short one
   CHECK(derived(p).LAW_XT_DIST == doctest::Approx(4.9 / 1.3));
 }
 
-TEST_CASE("a boat that turns with speed, or has a weak propeller, is asked to turn less") {
+TEST_CASE(
+    "a boat with yaw drag that grows with speed, or a weak propeller, gets a lower LAW_R_MAX") {
   Parameters p;
   p.BOAT_LEN = 1.2F;
   p.VES_D33U = 33.5F;

@@ -117,7 +117,7 @@ TEST_CASE(
     CHECK(std::abs(step.port) <= 100);
     CHECK(std::abs(step.stbd) <= 100);
     if (step.manoeuvre == kStraight) courses.insert(step.eighths_turn);
-    // Each turn to one side has its mirror image to the other.
+    // Each turn to one side has a mirror image to the other side.
     const auto twin = [&](const VoyageStep& other) {
       return other.manoeuvre == step.manoeuvre && other.port == step.stbd &&
              other.stbd == step.port;
@@ -192,7 +192,7 @@ TEST_CASE("zig-zags to 20 degrees on both sides") {
   CHECK(swaps >= 4);
 }
 
-TEST_CASE("the random sequence is as long as its 63 words and has as many sides, but for one") {
+TEST_CASE("the random sequence repeats no six turns, and both sides are about equally frequent") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(first_of(Manoeuvre::kRandom)));
   std::string sides;
@@ -236,7 +236,8 @@ TEST_CASE("a step without room is skipped after three tries, and reported") {
   CHECK(sea.farthest_m < 10);
 }
 
-TEST_CASE("a step that was too fast is repeated with less thrust, and all after it") {
+TEST_CASE(
+    "a step that was too fast is repeated with less thrust, and later steps get less thrust too") {
   Sea<float> sea;
   sea.thrust_N = 60;
   sea.sail(3600);
@@ -248,7 +249,7 @@ TEST_CASE("a step that was too fast is repeated with less thrust, and all after 
   CHECK(again->what == "too fast");
 }
 
-TEST_CASE("a boat that was too fast ahead spins with all its thrust; one propeller stays alone") {
+TEST_CASE("a boat that was too fast ahead gets less thrust in later steps, except to spin") {
   Sea<float> sea;
   sea.thrust_N = 60;
   const std::size_t spin = first_of(Manoeuvre::kSpin);
@@ -277,7 +278,7 @@ TEST_CASE("a boat that turned too fast turns with less thrust, and is as fast ah
   CHECK(sea.voyage.is_over());
 }
 
-TEST_CASE("the fence cuts a step off as its room does") {
+TEST_CASE("a fence ahead cuts a step short, as the edge of its room does") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(2));
   sea.sail(2);

@@ -147,7 +147,8 @@ TEST_CASE("echoes of our own frames, and anonymous frames, are not taken for an 
   CHECK_FALSE(node.esc_online(1, 0, kLimit_us));
 }
 
-TEST_CASE("a bus stop switch is pressed while it reports so, and when a safety switch is silent") {
+TEST_CASE(
+    "a stop switch counts as pressed while it reports so, and when a safety switch falls silent") {
   CanNode node({20, 1}, 0);
   link::Counters counters;
   std::uint8_t tail = 0xC0;
@@ -173,7 +174,7 @@ TEST_CASE("a bus stop switch is pressed while it reports so, and when a safety s
   CHECK(node.stop_pressed(62'000'001));
   const std::array<std::uint8_t, 2> off{255, tail};
   node.on_frame(0x1000003DU | safety << 8U, off, 62'000'000, counters);
-  CHECK(node.stop_pressed(62'000'001));  // another switch that is off counts for itself only
+  CHECK(node.stop_pressed(62'000'001));  // another switch that is off does not replace it
 }
 
 TEST_CASE("any frames crash nothing and put no ESC online") {

@@ -61,7 +61,8 @@ struct Bus {
   bool obey() const { return node.escs_obey(0, 1, now_us); }
 };
 
-TEST_CASE("a propeller is at rest if its ESC reports no turns, unless it never reported any") {
+TEST_CASE(
+    "a propeller is at rest if its ESC reports almost no turns, and has reported turns before") {
   Bus bus;
   bus.run(1);
   CHECK_FALSE(bus.node.rests(0));
@@ -118,7 +119,7 @@ TEST_CASE("a propeller turned by water runs down; one still turning after 5 s is
   }
 }
 
-TEST_CASE("a propeller turned by water is accepted for any time if its ESC measures no current") {
+TEST_CASE("water may turn a propeller for any time if its ESC measures no current") {
   Bus bus;
   bus.armed = true;
   bus.port_command = 4000;

@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("a weak port propeller is commanded more, a strong starboard 
   }
 }
 
-TEST_CASE("the law asks both propellers only for the weaker one's thrust, whichever it is") {
+TEST_CASE("the law asks both propellers for no more thrust than the weaker one can give") {
   for (const float balance : {-0.2F, 0.2F}) {
     Parameters p;
     p.THR_BALANCE = balance;
@@ -123,8 +123,8 @@ TEST_CASE_TEMPLATE("the thrust reported is the thrust of the commands as sent", 
 }
 
 TEST_CASE_TEMPLATE(
-    "a wrench that fades to nothing fades to exactly zero, also on a quadratic curve", S, float,
-    double) {
+    "a wrench that fades out gives finite commands down to zero, even on a quadratic curve", S,
+    float, double) {
   Parameters p = without_slew();
   p.THR_EXPO = 1;
   auto thrusters = thrusters_of<S>(p);
@@ -136,8 +136,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "where thrust may not rise, neither the greater thrust nor the greater command does", S, float,
-    double) {
+    "while thrust may not rise, neither the greatest thrust nor the greatest command rises", S,
+    float, double) {
   constexpr std::uint32_t kSeed = 73;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);

@@ -120,7 +120,7 @@ TEST_CASE(
   CHECK(gusty > 15 * calm);
 }
 
-TEST_CASE("a share of the error that the model has adopted no longer counts as its error") {
+TEST_CASE("an error that was applied to the model is subtracted from the estimated error") {
   UnlikeHull hull{.drag = 1.5, .balance = 0.06};
   Learner<double> learner;
   learner.sail(hull, 5, 1.2);
@@ -130,7 +130,7 @@ TEST_CASE("a share of the error that the model has adopted no longer counts as i
   CHECK(1.1 * (1 + drag_error(learner.state).value) == doctest::Approx(1 + drag));
 }
 
-TEST_CASE("blocks of fast turns are not used, nor one that was interrupted") {
+TEST_CASE("blocks with fast turns, and interrupted blocks, are not used") {
   UnlikeHull hull{};
   Learner<double> learner;
   learner.params.r_max = 0.0001;

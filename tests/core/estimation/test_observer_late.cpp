@@ -44,8 +44,8 @@ double largest(const std::array<double, 6>& off) {
   return out;
 }
 
-TEST_CASE_TEMPLATE("a late fix and the wrenches given since are the boat's true motion", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("a late fix and the wrenches given since then yield the boat's present motion",
+                   S, float, double) {
   for (const double h : {0.02, 0.01, 0.001}) {
     for (const double age : {0.04, 0.1, 0.2, 0.3, 0.5}) {
       INFO("tick ", h, " s, age ", age, " s");
@@ -92,7 +92,8 @@ TEST_CASE_TEMPLATE("before its memory begins, the boat is assumed to have given 
   }
 }
 
-TEST_CASE_TEMPLATE("before its first wrench a boat gave none", S, float, double) {
+TEST_CASE_TEMPLATE("before its first wrench a boat is assumed to have given none", S, float,
+                   double) {
   const auto begins = [](double t) { return t < 0.2 ? Tau<double>{} : Tau<double>{5, 1}; };
   const Vessel<S> vessel = testing::papers_vessel<S>();
   for (const double h : {0.02, 0.01, 0.001}) {
@@ -112,8 +113,8 @@ TEST_CASE_TEMPLATE("before its first wrench a boat gave none", S, float, double)
 }
 
 TEST_CASE_TEMPLATE(
-    "with the paper's gains and fixes 0.04 s to 0.3 s late a boat sails as punctually", S, float,
-    double) {
+    "with the paper's gains, fixes up to 0.3 s late move a boat's last place by less than 0.3 m", S,
+    float, double) {
   testing::ProductParams<S> params;  // LAW_OBS_BW 0, LAW_CUR_BW 0
   params.law = testing::papers_controller<S>();
   const auto leader = testing::voyage(testing::s_curve, 0.01, 60);

@@ -9,7 +9,7 @@ using testing::Random;
 using testing::Sighting;
 using testing::Watched;
 
-TEST_CASE_TEMPLATE("a constant force and moment are found, the later the smaller the bandwidth", S,
+TEST_CASE_TEMPLATE("a constant force and moment are found, later with a smaller bandwidth", S,
                    float, double) {
   for (const double omega : {0.5, 2.0, 4.0}) {
     for (const double spacing : {0.01, 0.05, 0.2}) {

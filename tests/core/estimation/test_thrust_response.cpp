@@ -20,7 +20,7 @@ using Shares = std::vector<std::pair<double, double>>;
 struct Sailing {
   double port = 1, stbd = 1;     ///< of the thrust asked for, from `from` on
   double from = 10, until = 30;  ///< s
-  double drag = 0;               ///< N, of the water that nobody knows
+  double drag = 0;               ///< N, an unknown drag of the water
   double noise = 0;              ///< of a force and moment, for 10 ms
 };
 
@@ -92,7 +92,7 @@ TEST_CASE_TEMPLATE("a boat with little or no thrust is not required to move", S,
   ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
-  for (const double X : {0.0, 0.8, -0.8}) {  // a current of 0.23 m/s takes as much
+  for (const double X : {0.0, 0.8, -0.8}) {  // N; enough to hold a boat in a current of 0.23 m/s
     ThrustResponse<S> state;
     for (int k = 0; k < 3000; ++k) {
       thrust_response_forward(params, state, {}, Nu<S>{S(X), S(0), S(X)}, Tau<S>{S(X), S(0.3 * X)},
@@ -108,7 +108,7 @@ TEST_CASE_TEMPLATE(
   ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
-  for (const double X : {3.4, -3.4, 10.0}) {  // a stream of 1 m/s takes as much, one of 3 m/s
+  for (const double X : {3.4, -3.4, 10.0}) {  // N; enough in a current of 1 m/s, the last in 3 m/s
     for (const double desired : {0.0, 0.05, 0.4}) {
       ThrustResponse<S> state;
       bool answered = true;

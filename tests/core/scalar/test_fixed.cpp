@@ -143,7 +143,7 @@ TEST_CASE("a quotient that is rounded up to 2^32 saturates and does not wrap to 
   CHECK(std::exchange(q16_overflow, false));
 }
 
-TEST_CASE("halves go to the even neighbour, on either side") {
+TEST_CASE("a result halfway between two numbers is rounded to the even one, for either sign") {
   CHECK(Q16::of_raw(1) * Q16(0.5) == Q16(0));
   CHECK(Q16::of_raw(3) * Q16(0.5) == Q16::of_raw(2));
   CHECK(Q16::of_raw(-3) * Q16(0.5) == Q16::of_raw(-2));
@@ -196,7 +196,7 @@ TEST_CASE("every function is within 0.7 LSB of the C library's, whatever the arg
       worst = std::max(worst, error_lsb(function, raw));
     }
     CHECK(worst < 0.7L);
-    CHECK(worst > 0.4L);  // or the oracle has seen nothing
+    CHECK(worst > 0.4L);  // otherwise the oracle checked nothing
   }
 }
 
@@ -212,7 +212,7 @@ TEST_CASE("a bearing and a distance are within 0.51 LSB, wherever the other boat
   }
 }
 
-TEST_CASE("a product's share and a distance in three dimensions are rounded once, or saturate") {
+TEST_CASE("a scaled product and a distance in three dimensions are rounded once, or saturate") {
   RandomQ16 random{std::mt19937(5)};
   q16_overflow = false;
   for (int i = 0; i < 300'000; ++i) {

@@ -91,7 +91,8 @@ TEST_CASE(
   CHECK_FALSE(take_overflow<Q16>());
 }
 
-TEST_CASE("at 40 km and 400 m/s the law reports an overflow, and no thrust is a wrapped one") {
+TEST_CASE(
+    "at 40 km and 400 m/s the law reports an overflow, and thrust saturates without wrapping") {
   ControllerParams<Q16> params = testing::papers_controller<Q16>();
   ControllerInput<Q16> in;
   in.separation_n = {Q16(-40000), Q16(0)};

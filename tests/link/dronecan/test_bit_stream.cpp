@@ -10,7 +10,7 @@
 namespace flotilla::link {
 namespace {
 
-TEST_CASE("two 14-bit commands lie in four bytes as DroneCAN's capture has them") {
+TEST_CASE("two 14-bit commands are packed into four bytes as in DroneCAN's capture") {
   std::array<std::uint8_t, 4> out{};
   BitWriter writer(out);
   writer.put(8191, 14);
@@ -41,7 +41,7 @@ TEST_CASE("the last byte is filled with zeros, and nothing is written behind it"
   }
 }
 
-TEST_CASE("fields of any width at any place come back, and touch no neighbour") {
+TEST_CASE("a field of any width at any position is read back, and its neighbours do not change") {
   constexpr std::uint32_t kSeed = 31;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -78,7 +78,7 @@ TEST_CASE("fields of any width at any place come back, and touch no neighbour") 
   }
 }
 
-TEST_CASE("a signed field of 64 bits") {
+TEST_CASE("a signed field of 64 bits is read back") {
   const std::array<std::uint8_t, 8> bytes{1, 0, 0, 0, 0, 0, 0, 0};
   CHECK(BitReader(bytes).take_signed(64) == 1);
 }
@@ -98,7 +98,7 @@ TEST_CASE("reading beyond the end gives zeros, and left() reports it beforehand"
   CHECK(empty.take(3) == 0);
 }
 
-TEST_CASE("a value wider than its field leaves its upper bits behind") {
+TEST_CASE("a value wider than its field loses its upper bits") {
   std::array<std::uint8_t, 2> out{};
   BitWriter writer(out);
   writer.put(0xFF, 4);

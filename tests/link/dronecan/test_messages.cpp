@@ -15,7 +15,7 @@ using vectors::bytes_of;
 template <class Message>
 Bytes written(const Message& message) {
   Payload out;
-  out.fill(0xA5);  // what was there before must not shine through
+  out.fill(0xA5);  // earlier contents must not remain
   const std::size_t size = write_payload(message, out);
   return {out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size)};
 }
@@ -30,7 +30,7 @@ void check_same(double got, double expected) {
   }
 }
 
-TEST_CASE("every RawCommand of the vectors is read and written as it is there") {
+TEST_CASE("every RawCommand of the test vectors is decoded and encoded exactly") {
   for (const vectors::Values& v : vectors::kRawCommands) {
     CAPTURE(v.payload);
     const auto message = read_raw_command(bytes_of(v.payload));
@@ -41,7 +41,7 @@ TEST_CASE("every RawCommand of the vectors is read and written as it is there") 
   }
 }
 
-TEST_CASE("every esc.Status of the vectors is read and written as it is there") {
+TEST_CASE("every esc.Status of the test vectors is decoded and encoded exactly") {
   for (const vectors::Values& v : vectors::kEscStatuses) {
     CAPTURE(v.payload);
     const auto message = read_esc_status(bytes_of(v.payload));
@@ -57,7 +57,7 @@ TEST_CASE("every esc.Status of the vectors is read and written as it is there") 
   }
 }
 
-TEST_CASE("every NodeStatus and ArmingStatus of the vectors is read and written as it is there") {
+TEST_CASE("every NodeStatus and ArmingStatus of the test vectors is decoded and encoded exactly") {
   for (const vectors::Values& v : vectors::kNodeStatuses) {
     CAPTURE(v.payload);
     const auto message = read_node_status(bytes_of(v.payload));

@@ -141,7 +141,7 @@ TEST_CASE("a transfer id of 32 and more is counted modulo 32, all 32 in turn are
   CHECK(whole == 70);
 }
 
-TEST_CASE("an id of more than 29 bits, a service from or to node 0: no route") {
+TEST_CASE("an id of more than 29 bits, or a service from or to node 0, has no route") {
   CHECK_FALSE(route_of(0x20000000U));
   CHECK_FALSE(route_of(can_id_of({24, TransferKind::kRequest, 1, 0, 21})));
   CHECK_FALSE(route_of(can_id_of({24, TransferKind::kRequest, 1, 10, 0})));
@@ -151,7 +151,7 @@ TEST_CASE("an id of more than 29 bits, a service from or to node 0: no route") {
   CHECK(request->kind == TransferKind::kRequest);
 }
 
-TEST_CASE("any frames in any order crash nothing, and a transfer of the future still arrives") {
+TEST_CASE("random frames cause no crash, and a valid transfer after them still arrives") {
   constexpr std::uint32_t kSeed = 33;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);

@@ -28,7 +28,7 @@ std::size_t count_of(const std::vector<Received>& got, const Message& message) {
       got, [&](const Received& r) { return fields_of(r.message) == fields; }));
 }
 
-/// Longer than any frame that damage may have announced.
+/// Longer than any frame, even one whose length is damaged.
 const Bytes kQuiet(300, 0);
 
 TEST_CASE("a message split at any byte, or byte by byte, arrives once and with its last byte") {
@@ -74,7 +74,7 @@ TEST_CASE("all messages in one chunk arrive, in order") {
 
 // One in some thousands is an exception: noise that ends like the header of a message unknown here,
 // whose end falls by chance on a start byte within the good message.
-TEST_CASE("whatever noise comes before a good message, it is delivered") {
+TEST_CASE("a good message is delivered, whatever noise comes before it") {
   constexpr std::uint32_t kSeed = 45;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -152,7 +152,7 @@ bool is_plain(std::span<const std::uint8_t> frame) {
   return std::ranges::none_of(frame.subspan(1), [](auto b) { return b == 0xFD || b == 0xFE; });
 }
 
-TEST_CASE("behind a truncated message all others are found once it is abandoned, at any byte") {
+TEST_CASE("once a message truncated at any byte is abandoned, all messages after it are found") {
   constexpr std::uint32_t kSeed = 50;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -275,7 +275,7 @@ TEST_CASE("whatever noise is abandoned, and when, every byte is counted and none
       decoder.give_up(counters);
       read();
     }
-    // Frames taken for messages of another dialect count as neither.
+    // Frames that look like messages of another dialect are in neither count.
     REQUIRE(in_frames + counters.mavlink_skipped_bytes <= bytes);
     if (counters.mavlink_unknown == 0) REQUIRE(in_frames + counters.mavlink_skipped_bytes == bytes);
   }

@@ -12,7 +12,7 @@ using testing::Bytes;
 using testing::fields_of;
 using testing::frame_of;
 
-TEST_CASE("every message arrives unchanged with its sender, or as one that no boat reads") {
+TEST_CASE("every message arrives with its sender, and unchanged if it is one that boats read") {
   constexpr std::uint32_t kSeed = 41;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -46,7 +46,7 @@ TEST_CASE("a message of zeros, which is sent shortened, arrives as zeros") {
   CHECK(fields_of(got[0].message) == fields_of(LocalPositionNed{}));
 }
 
-TEST_CASE("sequence numbers run from 0 to 255 and again, each encoder's its own") {
+TEST_CASE("each encoder's own sequence numbers count from 0 to 255, then start again") {
   MavlinkEncoder encoder({1, 1}), other({1, 1});
   for (unsigned i = 0; i < 600; ++i) {
     const Bytes frame = frame_of(encoder, Heartbeat{});

@@ -62,7 +62,7 @@ TEST_CASE("a read gives the bytes requested, at the end the remainder, and then 
   }
 }
 
-TEST_CASE("a session has the number that its client chose, whatever others chose") {
+TEST_CASE("each client chooses its own session numbers, even numbers that other clients use") {
   Harbour harbour;
   Client first{harbour}, second{harbour, {255, 191}}, third{harbour, {255, 190}, 1};
   first.ask(kOpen, 0, "big.json");
@@ -93,7 +93,7 @@ TEST_CASE("closing closes one session, a reset all of that client's and of nobod
   CHECK(second.error(kRead, 1, {}, 0, 9) == 0);
 }
 
-TEST_CASE("of a client's sessions the one unused longest gives way to a third") {
+TEST_CASE("a client's third session replaces the one that it has not used for longest") {
   Harbour harbour;
   Client client{harbour}, other{harbour, {250, 190}};
   other.ask(kOpen, 1, "even");
@@ -107,7 +107,7 @@ TEST_CASE("of a client's sessions the one unused longest gives way to a third") 
   CHECK(other.error(kRead, 1, {}, 0, 9) == 0);
 }
 
-TEST_CASE("of all sessions the one unused longest gives way to a ninth") {
+TEST_CASE("a ninth session replaces the one that was not used for longest") {
   Harbour harbour;
   std::vector<Client> clients;
   for (std::uint8_t i = 0; i < 9; ++i) clients.push_back({harbour, {i, 190}});

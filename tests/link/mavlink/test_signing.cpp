@@ -95,7 +95,8 @@ TEST_CASE("a frame too short for a signature counts as forged") {
   }
 }
 
-TEST_CASE("a forgery with any timestamp leaves no trace: the right key is still obeyed") {
+TEST_CASE(
+    "a forgery with any timestamp has no effect: messages with the right key are still accepted") {
   Keyed boat;
   Sender operator_, forger;
   for (const std::uint64_t at : {kNow + 1, kNow + 50 * kSecond, kNow + kDay, kNow + 1000 * kDay}) {
@@ -105,7 +106,7 @@ TEST_CASE("a forgery with any timestamp leaves no trace: the right key is still 
   CHECK(boat.check(operator_.frame(kNow + 1)) == kGood);
 }
 
-TEST_CASE("a message counts once, on any link, and none before it counts after it") {
+TEST_CASE("a message is accepted once, and no older one is accepted after it") {
   Keyed boat;
   Sender sender;
   const Bytes first = sender.frame(kNow + 1), second = sender.frame(kNow + 2);
@@ -170,12 +171,13 @@ TEST_CASE("a pymavlink sender that receives nothing is accepted all day, with la
     boat.set_clock(kNow + minute * 59 * kSecond);
     REQUIRE(boat.check(sender.frame(stamp += minute % 10 == 0 ? 500 : 1)) == kGood);
   }
-  boat.set_clock(kNow + 24 * 3600 * kSecond);  // after a silence it would have to hear the time
+  boat.set_clock(kNow + 24 * 3600 * kSecond);  // after a silence it must learn the time first
   CHECK(boat.check(sender.frame(stamp + 1)) == kStale);
   CHECK(boat.check(sender.frame(kNow + 24 * 3600 * kSecond)) == kGood);
 }
 
-TEST_CASE("without a clock, messages not older than the last voyage count, and set the time") {
+TEST_CASE(
+    "without a clock, messages not older than the last voyage are accepted, and set the time") {
   Keyed boat;
   boat.start(counting_key(), kSecond, kNow);
   boat.set_clock(kSecond, false);
@@ -192,7 +194,7 @@ TEST_CASE("without a clock, messages not older than the last voyage count, and s
 
 bool is_heartbeat(const Message& message) { return std::holds_alternative<Heartbeat>(message); }
 
-TEST_CASE("an exempt message counts at any age, but once, and nothing older than it") {
+TEST_CASE("an exempt message is accepted at any age, but only once, and no older one after it") {
   Room room;
   Signing boat(room.streams, is_heartbeat);
   boat.start(counting_key(), kNow, 0);
@@ -350,7 +352,7 @@ TEST_CASE("a restart makes no recorded message valid again, and a sender is obey
   for (std::uint64_t s = 0; s < 59; ++s) REQUIRE(boat.check(sender.frame(kNow + s)) == kGood);
   boat.start(counting_key(), kNow + 2 * kSecond, kNow + kSecond);
   for (std::uint64_t s = 0; s < 59; ++s) CHECK(boat.check(sender.frame(kNow + s)) == kStale);
-  CHECK(boat.check(Sender{{1, 190}, 8}.frame(kNow + kSecond)) == kStale);  // on no other link
+  CHECK(boat.check(Sender{{1, 190}, 8}.frame(kNow + kSecond)) == kStale);  // nor on another link
   // A stop is obeyed at any age, but admits no other old message.
   CHECK(boat.take_exemption(sender.frame(kNow - kDay), Heartbeat{}));
   CHECK(boat.check(sender.frame(kNow + 58)) == kStale);
@@ -437,7 +439,8 @@ struct Link {
   }
 };
 
-TEST_CASE("a link with a key delivers well-signed and unsigned messages, and says which is which") {
+TEST_CASE(
+    "a link with a key delivers well-signed and unsigned messages, and marks the signed ones") {
   Keyed boat;
   Link link;
   const auto good = link.hear(kByPymavlink, &boat);

@@ -205,7 +205,7 @@ TEST_CASE("bus-off and restart within one reading: a tick sees it all the same")
   CHECK(boat.usable());
 }
 
-TEST_CASE("bus-off without news of a restart: a frame received later ends it, an early one not") {
+TEST_CASE("bus-off without a report of the restart: only a frame received later ends it") {
   const Interface interface;
   SocketCanBus boat(kInterface, kBoat);
   Peer peer;
@@ -346,7 +346,7 @@ TEST_CASE("an interface that vanishes is opened again when it is back") {
   CHECK(boat.counters().transfers_dropped == 4);
 }
 
-TEST_CASE("an interface that vanishes and is back before anybody looks is opened again") {
+TEST_CASE("an interface that vanishes and returns between two checks is opened again") {
   const Interface first;
   SocketCanBus boat(kInterface, kBoat);
   const Interface second;

@@ -32,7 +32,7 @@ std::string mistake(const std::vector<const char*>& options) {
   return ending.text;
 }
 
-/// boat.toml with that text.
+/// A boat.toml with the given text.
 struct File {
   Scratch folder;
   std::string path = (folder / "boat.toml").string();
@@ -116,7 +116,7 @@ struct ParameterFile {
   explicit ParameterFile(const std::string& text) { put(path, text); }
 };
 
-TEST_CASE("a parameter file is read in each ground station's way of writing") {
+TEST_CASE("a parameter file is read in the format of each ground station") {
   const char* link = "--mavlink=udpin:127.0.0.1:14550";
   const char* texts[] = {
       "# Otter\nLAW_KX,0.25\nTHR_ARM,0.395\n",                   // Mission Planner
@@ -131,7 +131,7 @@ TEST_CASE("a parameter file is read in each ground station's way of writing") {
   }
 }
 
-TEST_CASE("a hull's own files are read, and single parameters win over them") {
+TEST_CASE("a hull's own files are read, and single parameters override them") {
   const std::string hull = std::string(FLOTILLA_SOURCE) + "/sil/hulls/otter.param";
   const File file("mavlink = [\"udpin:0.0.0.0:1\"]\nparam = {VES_M11 = 9, LAW_KX = 0.25}\n");
   const Config config = file.good({"--param", "VES_M22=7", "--param-file", hull.c_str()});
@@ -162,7 +162,7 @@ TEST_CASE("a mistake in a parameter file is reported with its line") {
             .starts_with("flotillad: /nowhere.param: cannot be read: "));
 }
 
-TEST_CASE("the command line wins over the file: links as a list, parameters one by one") {
+TEST_CASE("the command line overrides the file: links as a whole list, parameters one by one") {
   const File file(R"(
 can = "mcast:3"
 mavlink = ["udpout:127.0.0.1:14550", "udpin:127.0.0.1:14551"]
@@ -184,7 +184,7 @@ param = {MAV_SYSID = 2, LAW_KX = 0.25}
   CHECK_FALSE(config.lock_memory);
 }
 
-TEST_CASE("telemetry leaves a serial line room unless its rate is given") {
+TEST_CASE("telemetry uses only part of a serial line's rate, unless the rate is given") {
   const Config config = good({"--mavlink", "serial:/dev/ttyUSB0:9600", "--mavlink",
                               "serial:/dev/ttyUSB1:115200,signing=off", "--mavlink",
                               "serial:/dev/ttyUSB2:9600,rate=0", "--mavlink", "udpin:14550"});
@@ -203,7 +203,7 @@ TEST_CASE("several links on the command line keep their order") {
   CHECK(config.lock_memory);
 }
 
-TEST_CASE("a link's signing policy stands behind its address, before or after its rate") {
+TEST_CASE("a link's signing policy follows its address, before or after its rate") {
   using enum app::SigningPolicy;
   const File file(R"(
 signing-key = "/etc/flotilla/key"
@@ -239,7 +239,7 @@ TEST_CASE("without a key no link signs, and a policy that signs is refused") {
         std::string::npos);
 }
 
-TEST_CASE("the example that is delivered is a configuration") {
+TEST_CASE("the shipped example is a valid configuration") {
   const Config config = good({"--config", FLOTILLA_SOURCE "/firmware/linux/boat.toml"});
   CHECK(config.can == Config{}.can);
   CHECK(config.state_dir == Config{}.state_dir);

@@ -148,7 +148,7 @@ TEST_CASE("both versions damaged, or one damaged and no other: defaults, to be c
   }
 }
 
-TEST_CASE("an object in place of a parameter file is reported, never fatal") {
+TEST_CASE("anything else in place of a parameter file is reported, and never fatal") {
   Boat boat;
   std::filesystem::remove(boat.previous);
   std::filesystem::remove(boat.file);
@@ -157,19 +157,19 @@ TEST_CASE("an object in place of a parameter file is reported, never fatal") {
     std::filesystem::create_directory(boat.file);
     why = "cannot be read: Is a directory";
   }
-  SUBCASE("something endless") {
+  SUBCASE("an endless file") {
     std::filesystem::create_symlink("/dev/zero", boat.file);
     why = "cannot be read";
   }
-  SUBCASE("something huge") {
+  SUBCASE("a huge file") {
     put(boat.file, std::string(2U << 20U, 'x'));
     why = "cannot be read: File too large";
   }
-  SUBCASE("a whole file of something else") {
+  SUBCASE("an undamaged file of another kind") {
     put(boat.file, signed_text("shopping list\nbeer = 6\n"));
     why = "is not a parameter file";
   }
-  SUBCASE("a format of the future") {
+  SUBCASE("a future format") {
     put(boat.file, signed_text("flotilla-parameters 2\nLAW_KX = 0.5\n"));
     why = "has another format (\"flotilla-parameters 2\")";
   }
@@ -273,7 +273,7 @@ TEST_CASE("a file of an older version is read; missing values are defaults and r
   CHECK(loaded.notes[0].starts_with("p: not in the file, so default: MAV_SYSID, "));
 }
 
-TEST_CASE("zeros that were defaults of an older version, and mean another thing now, are renewed") {
+TEST_CASE("zeros that were defaults in an older version become the new defaults") {
   Scratch folder;
   const std::string old = "flotilla-parameters 1\nNAV_LAG_S = 0\nFS_SEP_M = 0\n";
   put(folder / "old", signed_text(old));

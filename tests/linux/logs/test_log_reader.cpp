@@ -68,7 +68,7 @@ TEST_CASE("a log is read from anywhere, to its end and no further") {
   CHECK(read(reader, 0, 0, 90).empty());
 }
 
-TEST_CASE("a directory that is not there has no logs, and an answer is given once") {
+TEST_CASE("a missing directory has no logs, and each answer is given once") {
   LogReader reader("/nowhere/at/all");
   CHECK(answer_to(reader, {true, 0, 0, 0}).logs.empty());
   CHECK_FALSE(reader.take());

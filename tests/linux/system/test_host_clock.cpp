@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kNow_s = 1'790'000'000;
 
-TEST_CASE("a clock is set where the network has set it, or a real-time clock agrees") {
+TEST_CASE("a host's clock counts as set if the network has set it or a real-time clock agrees") {
   const Scratch folder;
   const ClockEvidence evidence{folder / "synchronized", folder / "since_epoch"};
   CHECK_FALSE(clock_is_set(evidence, kNow_s));  // neither is there

@@ -72,7 +72,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a packed file is the same from wherever it is read, and however much is asked for") {
+TEST_CASE("a packed file reads the same from any offset and in pieces of any size") {
   const std::string text = file_at("mftp:///parameters.json");
   const auto files = metadata_files();
   const auto file = std::ranges::find(files, "parameters.json", &link::FtpFile::name);

@@ -63,7 +63,8 @@ TEST_CASE("a stored plan is kept even if LAW_U_MAX or WP_RADIUS is now less") {
   CHECK(kept.service.plan().size() == 3);
 }
 
-TEST_CASE("a rally point to which the way is straight is preferred, one outside never used") {
+TEST_CASE(
+    "a rally point with a free straight path is preferred; one outside the fence is never used") {
   Kept kept;
   kept.service.locate(kOrigin);
   kept.store(Stored::kRally, {item(mav::kRallyPoint, 50, 0), item(mav::kRallyPoint, 0, 30)});
@@ -75,7 +76,8 @@ TEST_CASE("a rally point to which the way is straight is preferred, one outside 
   CHECK(same(kept.back_from(0, 0), point(1000, 1000)));
 }
 
-TEST_CASE("a target, and the way to it, keep the margin, but a boat at the edge may leave it") {
+TEST_CASE(
+    "a target and the path to it keep the margin, but a boat at the fence's edge may sail inward") {
   Kept kept;
   kept.service.locate(kOrigin);
   kept.store(Stored::kFence, {item(mav::kFenceCircleInclusion, 0, 0, 20)});

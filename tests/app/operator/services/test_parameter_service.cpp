@@ -249,14 +249,14 @@ TEST_CASE("a stranger sets no parameter where only one ground station may comman
   CHECK(boat.set("LAW_KX", 1).outcome == Outcome::kSet);
 }
 
-TEST_CASE("no boat follows itself: not under the id that it took, nor under the one it will have") {
+TEST_CASE("a boat cannot follow itself, neither by the id in use nor by the configured one") {
   Boat companion;  // MAV_SYSID 1 is configured; the autopilot's id, 42, is in use
   companion.system = 42;
   CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kRefused);
   check_refusal(companion, *find_parameter("FORM_LEADER"), mav::kParamOutOfRange);
   CHECK(companion.set("FORM_LEADER", 1).outcome == Outcome::kRefused);
   CHECK(companion.set("FORM_LEADER", 43).outcome == Outcome::kSet);
-  companion.values.FORM_LEADER = 42;  // it was so when the id was taken: the operator may go on
+  companion.values.FORM_LEADER = 42;  // already set when the id was taken: it may stay
   CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kUnchanged);
   CHECK(companion.set("LAW_KX", 0.5F).outcome == Outcome::kSet);
   CHECK(companion.set("FORM_LEADER", 100).outcome == Outcome::kSet);

@@ -10,7 +10,8 @@ namespace {
 
 std::string told(const Sentence& sentence) { return std::string(sentence.text()); }
 
-TEST_CASE("a slot that is too fast: the figure is rounded up, beyond the limit") {
+TEST_CASE(
+    "a slot that needs slightly more than the limit is reported with a figure above the limit") {
   CHECK(told(slot_needs(1.5001, " m/s, LAW_U_MAX is ", 1.5F)) ==
         "slot needs 1.51 m/s, LAW_U_MAX is 1.5");
 }

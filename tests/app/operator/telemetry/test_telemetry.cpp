@@ -117,7 +117,7 @@ TEST_CASE("every stream and requestable message is sent under its number when al
   }
 }
 
-TEST_CASE("no other number makes a message, and after the last message of one there is nothing") {
+TEST_CASE("an unknown id gives no message, and neither does a turn after an id's last message") {
   constexpr std::uint32_t kSeed = 23;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -187,7 +187,7 @@ TEST_CASE("positions relative to an earlier origin are not sent, as no receiver 
   CHECK(all(link::Attitude::kId, r).size() == 1);
 }
 
-TEST_CASE("whether a message exists does not depend on the data that is known") {
+TEST_CASE("whether an id can be composed does not depend on the data that is known") {
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     const bool is_made = compose(static_cast<std::uint16_t>(id), 0, full()).has_value();
     CAPTURE(id);

@@ -53,7 +53,7 @@ Shares carried(std::uint32_t rate_Bps, const Traffic& traffic, std::uint32_t see
 
 constexpr double kFlood = 1e6;
 
-TEST_CASE("on a saturated link the state gets three fifths and the rest two") {
+TEST_CASE("on a saturated link the state gets 60 % and the rest 40 %") {
   for (const std::uint32_t rate_Bps : {250U, 1000U, 5760U, 100'000U}) {
     const Shares got = carried(rate_Bps, {kFlood, kFlood}, 1);
     CAPTURE(rate_Bps);

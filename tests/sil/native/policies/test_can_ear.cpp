@@ -68,7 +68,7 @@ TEST_CASE("a third ESC that is driven is detected") {
   CHECK(!said(frames).bus.strangers_idle);
 }
 
-TEST_CASE("a transfer of several frames is whole with all of them only, unchanged") {
+TEST_CASE("a transfer of several frames is complete only if no frame is missing or changed") {
   link::RawCommand command;
   command.count = 20;
   std::vector<link::CanFrame> frames;

@@ -147,7 +147,7 @@ TEST_CASE("a NaN or infinity anywhere in a message is found") {
   CHECK(!finite(odometry));
 }
 
-TEST_CASE("times are of this tick or of the one before, and of no other") {
+TEST_CASE("a message's time is right if it is this tick's or the previous one's, and no other") {
   Ear e;
   for (const auto& [ms, good] :
        {std::pair{5000U, true}, {4990U, true}, {4980U, false}, {5001U, false}}) {
