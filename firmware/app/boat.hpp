@@ -84,9 +84,10 @@ class Boat {
   /// The host stores this every few seconds and passes it to secure() after a restart.
   std::uint64_t signing_timestamp() const { return links_.signing().timestamp(); }
 
-  /// Limits telemetry on that link; 0: no limit.
+  /// Limits telemetry on that link; 0: no limit. At most 5,760 bytes/s (57,600 Bd): slow telemetry
+  /// is sent every 4 s.
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
-    links_.bucket(link).limit(bytes_per_s);
+    vehicle_.limit_link(link, bytes_per_s);
   }
 
   /// The best message accepted from another sender since the last call, for hosts that send only to

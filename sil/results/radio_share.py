@@ -1,26 +1,29 @@
 # SPDX-License-Identifier: MIT
 """The share of a slow radio that signing boats need: one boat of `diamond`, and eight boats.
 
-All at the firmware's defaults except for the named parameters. The simulated boats do not sign;
-13 bytes per frame are added for the signature, which a test with signing boats confirms.
+All at the firmware's defaults except for the named parameters. The one boat is fed its recorded
+input again, signs, and is limited to the radio's rate, as `flotillad` limits a serial line. The
+eight simulated boats do not sign: 13 bytes per frame are added for the signature.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TypedDict
 
+import flotilla
 from pymavlink.dialects.v20 import common as mavlink
 from rich.console import Group
 from rich.table import Table
 
 from sil.lockstep import metrics
-from sil.lockstep.recording import MAVLINK_OUT, Recording
+from sil.lockstep.recording import CAN_IN, HOST, MAVLINK_OUT, Recording
 from sil.lockstep.world import World
 from sil.plant.hull import Array
 from sil.results.claims import CLAIMS, PRODUCT
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
+from sil.wire.clock import Clock
 from sil.wire.mavlink_frames import frames
 
 BAUD = 57_600
@@ -29,9 +32,10 @@ SIGNATURE = 13  # bytes
 BOAT = 2  # has a leader that is a boat, and has a follower
 RADIO = 1  # number of the radio's link
 
-# One boat: the target share, and parameters that meet it where the defaults do not.
-TARGET_SHARE = 0.4
-SELDOM = {"SR_SLOW": 0.25}
+TARGET_SHARE = 0.4  # of one boat
+LIMIT_BPS = BAUD * 4 // 5 // BITS_PER_BYTE  # of a serial line
+KEY = bytes(range(32))
+_SIGNING_TIME = 1_790_000_000_000_000  # us since 1970
 ONE_S = 60.0
 # Eight boats in a line, all within radio range. Of the profiles that leave a tenth of the radio
 # free, the one whose boats never coast at 10 % packet loss; all have the same RMS.
@@ -63,17 +67,56 @@ class Radio(TypedDict):
 def measure(folder: Path) -> dict[str, Radio]:
     """All columns of the table, by name; recordings are written to `folder`."""
     return {
-        "one boat": one(folder, {}),
-        "profile 1": one(folder, SELDOM),
+        "one boat": one(folder),
+        "no limit": one(folder, limit_Bps=0),
         "eight boats": eight(folder, {}),
         "profile 8": eight(folder, PROFILE),
     }
 
 
-def one(folder: Path, parameters: Mapping[str, float]) -> Radio:
-    """Measure boat 2 of `diamond`."""
+def one(folder: Path, limit_Bps: int = LIMIT_BPS) -> Radio:
+    """Measure boat 2 of `diamond`, its link limited to that rate; 0: no limit."""
     chosen = _at_the_defaults("diamond", [f"duration_s={ONE_S}"])
-    return _sailed(chosen, parameters, folder, [BOAT])
+    path = folder / "radio.bin"
+    others = {"SR_SLOW": 0.25} if limit_Bps else {}  # they ask as seldom as on such a radio
+    run = World(chosen, others).run(path, lambda _: None)
+    recording = Recording(path)
+    released_us = list(recording)[-1][0] - round(1e6 * ONE_S)
+    said: Counter[str] = Counter()
+    for t_us, frame in frames_of(recording, signs=True, limit_Bps=limit_Bps):
+        if t_us > released_us:
+            said[_name(frame)] += len(frame)
+    return _radio(said, ONE_S, run.trace["error"])
+
+
+def frames_of(
+    recording: Recording, signs: bool = False, limit_Bps: int = 0
+) -> Iterator[tuple[int, bytes]]:
+    """Times in us, and frames that boat 2 sends by radio when it is fed the recording's input.
+
+    Its own SR_SLOW is the default.
+    """
+    header = recording.header["boats"][BOAT - 1]
+    parameters = {k: v for k, v in header["parameters"].items() if k != "SR_SLOW"}
+    boat = flotilla.Boat(parameters, header["links"], header["scalar"])
+    boat.limit_link(RADIO, limit_Bps)
+    if signs:
+        boat.secure(KEY, _SIGNING_TIME)
+        boat.set_signing(RADIO, "accept")
+    clock = Clock(**header["clock"])
+    ticked_us = -1
+    for t_us, port, data in recording:
+        agent, channel = port >> 8, port & 0xFF
+        if agent != BOAT or channel >= HOST:
+            continue
+        if channel < CAN_IN:
+            boat.on_mavlink(data, clock.at(t_us), channel)
+        elif channel < MAVLINK_OUT:
+            boat.on_can(int.from_bytes(data[:4], "little"), data[4:], clock.at(t_us))
+        elif t_us != ticked_us:
+            ticked_us = t_us
+            said = dict(boat.tick(clock.at(t_us)).mavlink).get(RADIO, b"")
+            yield from ((t_us, frame) for *_, frame in frames(said))
 
 
 def eight(folder: Path, parameters: Mapping[str, float], *overrides: str) -> Radio:
@@ -92,24 +135,33 @@ def _sailed(
 ) -> Radio:
     path = folder / "radio.bin"
     run = World(chosen, dict(parameters)).run(path, lambda _: None)
-    rates = {n: b / chosen.duration_s for n, b in _said(path, boats, chosen.duration_s)}
+    said = _said(path, boats, chosen.duration_s)
+    return _radio(said, chosen.duration_s, run.trace["error"])
+
+
+def _radio(said: Counter[str], sailed_s: float, error: Array) -> Radio:
+    rates = {name: count / sailed_s for name, count in said.most_common()}
     share = sum(rates.values()) * BITS_PER_BYTE / BAUD
-    return {"bytes_per_s": rates, "share": share, "rms_m": _worst_rms_m(run.trace["error"])}
+    return {"bytes_per_s": rates, "share": share, "rms_m": _worst_rms_m(error)}
 
 
-def _said(path: Path, boats: Iterable[int], sailed_s: float) -> list[tuple[str, int]]:
-    """Bytes that boats send by radio after the release, by message, most first."""
+def _said(path: Path, boats: Iterable[int], sailed_s: float) -> Counter[str]:
+    """Bytes that boats send by radio after the release, by message, with signatures."""
     ports = {(boat << 8) + MAVLINK_OUT + RADIO for boat in boats}
     recording = list(Recording(path))
     released_us = recording[-1][0] - round(1e6 * sailed_s)
     said: Counter[str] = Counter()
     for t_us, port, data in recording:
         if port in ports and t_us > released_us:
-            for message_id, _, _, frame in frames(data):
-                known = mavlink.mavlink_map.get(message_id)
-                name = known.msgname if known else _NAMES.get(message_id, str(message_id))
-                said[name] += len(frame) + SIGNATURE
-    return said.most_common()
+            for *_, frame in frames(data):
+                said[_name(frame)] += len(frame) + SIGNATURE
+    return said
+
+
+def _name(frame: bytes) -> str:
+    message_id = int.from_bytes(frame[7:10], "little")
+    known = mavlink.mavlink_map.get(message_id)
+    return known.msgname if known else _NAMES.get(message_id, str(message_id))
 
 
 def _worst_rms_m(error: Array) -> float:
@@ -138,6 +190,6 @@ def table(radios: Mapping[str, Radio]) -> Group:
         out,
         f"targets: one boat {100 * TARGET_SHARE:.0f} %; eight in a line {100 * EIGHT_SHARE:.0f} % "
         f"and {EIGHT_RMS_M:g} m with a profile",
-        f"profile 1: {pasted(SELDOM)}",
+        f"one boat: its link is limited to {LIMIT_BPS} bytes per second, as a serial line's is",
         f"profile 8: {pasted(PROFILE)}",
     )

@@ -56,6 +56,8 @@ class MavlinkLinks {
     std::uint32_t whole = 0;                 // decoder.whole() at the last look
     SigningPolicy policy = SigningPolicy::kOff;
     bool datagrams = false;  // not a serial line, so no radio is on it
+    bool own_last = true;    // our own message was the last one paid by the rest's credit
+    bool others_next = false;
     TokenBucket bucket;
   };
 
@@ -122,6 +124,14 @@ class MavlinkLinks {
   SigningPolicy policy(std::size_t link) const { return links_[link].policy; }
   void set_datagrams(std::size_t link) { links_[link].datagrams = true; }
 
+  /// Whether our own messages other than state may be sent now. On a slow link they take turns with
+  /// the frames of other senders: if one of those was refused after a message of ours, ours wait
+  /// until one is forwarded, or half a second's credit is saved.
+  bool may_send_rest(std::size_t link) const {
+    const Link& l = links_[link];
+    return l.others_next ? l.bucket.rest_is_full() : l.bucket.for_rest();
+  }
+
   TokenBucket& bucket(std::size_t link) { return links_[link].bucket; }
   const TokenBucket& bucket(std::size_t link) const { return links_[link].bucket; }
 
@@ -138,6 +148,7 @@ class MavlinkLinks {
   /// A message that does not fit is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
     links_[link].bucket.spend_on_rest(put(link, message, counters));
+    links_[link].own_last = true;
   }
 
   /// The same for the state messages that followers need.
@@ -158,12 +169,15 @@ class MavlinkLinks {
       ++counters.mavlink_unsigned_refused;
       return;
     }
-    if (frame.size() > l.forwarded.size() - l.forwarded_size || !l.bucket.for_rest()) {
+    const bool pays = l.bucket.for_rest();
+    l.others_next = !pays && l.own_last;
+    if (frame.size() > l.forwarded.size() - l.forwarded_size || !pays) {
       ++counters.mavlink_not_sent;
       return;
     }
     std::copy(frame.begin(), frame.end(), l.forwarded.data() + l.forwarded_size);
     l.forwarded_size += frame.size();
+    l.own_last = false;
   }
 
   /// Whether a heartbeat under our own ids is our own, echoed (a link that listens for broadcasts

@@ -3,17 +3,17 @@
 
 namespace flotilla::app {
 
-void TimesyncSender::ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_us,
+void TimesyncSender::ask(std::int64_t now_us, std::uint8_t self, const Streams& streams,
                          link::Counters& counters) {
   if (!due_.take_if_due(now_us)) return;
   const link::Timesync request = time_.ask(now_us, self);
-  const std::int64_t before_us = slowed_us - kSecond_us;  // the turn before the one that is due
-  const bool everywhere = now_us - asked_everywhere_us_ > before_us + kSecond_us / 20;
-  if (everywhere) asked_everywhere_us_ = now_us;
   const unsigned own = router_.links_to({self, 0}, now_us);
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (everywhere || (own >> link & 1U) != 0) links_.send(link, request, counters);
+    const auto seconds =
+        static_cast<std::uint32_t>(streams.slowed_us(link, kSecond_us) / kSecond_us);
+    if (turn_ % seconds == 0 || (own >> link & 1U) != 0) links_.send(link, request, counters);
   }
+  ++turn_;
 }
 
 void TimesyncSender::ask_leader(std::int64_t now_us, std::uint8_t self, std::uint8_t leader,

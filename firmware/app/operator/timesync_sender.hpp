@@ -4,11 +4,11 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 
 #include "app/navigation/time_requests.hpp"
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/router.hpp"
+#include "app/operator/telemetry/streams.hpp"
 #include "app/schedule.hpp"
 
 namespace flotilla::app {
@@ -21,16 +21,20 @@ class TimesyncSender {
       : time_(time), links_(links), router_(router), due_(kSecond_us, tick_us / 2) {}
 
   /// Call in every tick. All vessels in range answer each request, which makes up most of a slow
-  /// radio's load; so the others are asked only every `slowed_us`. The own unit is asked every
-  /// second, because it counts as late if it does not answer.
-  void ask(std::int64_t now_us, std::uint8_t self, std::int64_t slowed_us,
+  /// radio's load; so the others are asked as often as slow telemetry is sent. The own unit is asked
+  /// every second, because it counts as late if it does not answer.
+  void ask(std::int64_t now_us, std::uint8_t self, const Streams& streams,
            link::Counters& counters);
 
   /// Asks a new leader whose clock offset is unknown; the boat coasts until it is known.
   void ask_leader(std::int64_t now_us, std::uint8_t self, std::uint8_t leader,
                   link::Counters& counters);
 
-  void make_due() { due_.make_due(); }
+  /// Asks all at the next call.
+  void make_due() {
+    due_.make_due();
+    turn_ = 0;
+  }
 
  private:
   static constexpr std::int64_t kSecond_us = 1'000'000;
@@ -39,7 +43,7 @@ class TimesyncSender {
   MavlinkLinks& links_;
   const Router& router_;
   Schedule due_, leader_due_{kSecond_us / 4};
-  std::int64_t asked_everywhere_us_ = std::numeric_limits<std::int64_t>::min() / 2;
+  std::uint32_t turn_ = 0;  // counts seconds
 };
 
 }  // namespace flotilla::app

@@ -55,6 +55,11 @@ class Vehicle {
   bool take(std::size_t link, const link::Received& received, std::int64_t now_us,
             link::Counters& counters);
 
+  void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
+    links_.bucket(link).limit(bytes_per_s);
+    sender_.streams().limit(link, bytes_per_s);
+  }
+
   /// Begins a tick, dt_us after the previous one.
   void begin(std::int64_t now_us, std::int64_t dt_us);
 

@@ -344,10 +344,10 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
   switch (result.outcome) {
     case SetResult::Outcome::kSet: {
       changed_ = true;
-      const std::int64_t asks_us = sender_.streams().slowed_us(kSecond_us);
+      const std::int64_t slow_us = configuration_.operators.slow_us;
       configuration_ = configuration_of(parameters_);
       sender_.streams().configure(configuration_.operators);
-      if (sender_.streams().slowed_us(kSecond_us) != asks_us) timesync_.make_due();
+      if (configuration_.operators.slow_us != slow_us) timesync_.make_due();
       if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
       break;
     }

@@ -73,7 +73,7 @@ void Vehicle::tell(link::Counters& counters) {
   if (heartbeat_due_.take_if_due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
   const std::uint8_t system = self().system;
-  timesync_.ask(now_us_, system, sender_.streams().slowed_us(kSecond_us), counters);
+  timesync_.ask(now_us_, system, sender_.streams(), counters);
   if (core::follows(supervisor_.state()) && (report_.conditions & core::kLeaderTimed) == 0) {
     timesync_.ask_leader(now_us_, system, report_.leader, counters);
   }

@@ -11,6 +11,7 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kMinNews_us = 100'000;  // often enough for the fastest turns of a root
+constexpr std::int64_t kSecond_us = 1'000'000;
 
 }  // namespace
 
@@ -49,9 +50,21 @@ bool Streams::set(std::size_t link, std::uint16_t id, std::int64_t interval_us,
   return true;
 }
 
-std::int64_t Streams::slowed_us(std::int64_t fixed_us) const {
-  constexpr std::int64_t kSecond_us = 1'000'000;
-  return slow_us_ > kSecond_us ? std::max(fixed_us, slow_us_) : fixed_us;
+void Streams::limit(std::size_t link, std::uint32_t bytes_per_s) {
+  constexpr std::uint32_t kNarrow_Bps = 5'760;
+  links_[link].narrow = bytes_per_s != 0 && bytes_per_s <= kNarrow_Bps;
+  for (std::size_t stream = 0; stream < kStreams.size(); ++stream) restart(stream, link);
+}
+
+/// The interval of slow telemetry; 0: none.
+std::int64_t Streams::slow_us(std::size_t link) const {
+  if (slow_us_ == 0 || !links_[link].narrow) return slow_us_;
+  return std::max(slow_us_, 4 * kSecond_us);
+}
+
+std::int64_t Streams::slowed_us(std::size_t link, std::int64_t fixed_us) const {
+  const std::int64_t slow_us = this->slow_us(link);
+  return slow_us > kSecond_us ? std::max(fixed_us, slow_us) : fixed_us;
 }
 
 std::int32_t Streams::interval_us(std::size_t link, std::uint16_t id) const {
@@ -124,9 +137,10 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
     case Pace::kState:
       return state_us_ > 0 ? std::max(state_us_, tick_us_) : 0;
     case Pace::kSlow:
-      return slow_us_ > 0 ? std::max(slow_us_, tick_us_) : 0;
+      return slow_us_ > 0 ? std::max(slow_us(link), tick_us_) : 0;
     case Pace::kFixed:
-      return slowed_us(info.fixed_us);
+      if (stream == kPositionStream && links_[link].narrow) return std::max(kSecond_us, slow_us_);
+      return slowed_us(link, info.fixed_us);
     case Pace::kOnRequest:
       return 0;
   }

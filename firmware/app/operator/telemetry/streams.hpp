@@ -62,7 +62,9 @@ inline constexpr std::array kStreams{
     StreamInfo{link::FormationFuture::kId, 74, Pace::kNews, 0, true},
 };
 
-constexpr std::size_t kOriginStream = 0, kPlanStream = 9, kFenceStream = 10, kGpsStream = 18;
+constexpr std::size_t kOriginStream = 0, kPositionStream = 5, kPlanStream = 9, kFenceStream = 10,
+                      kGpsStream = 18;
+static_assert(kStreams[kPositionStream].id == link::GlobalPositionInt::kId);
 static_assert(kStreams[kFenceStream].id == link::FenceStatus::kId);
 static_assert(kStreams[kGpsStream].id == link::GpsRawInt::kId);
 /// The state that followers need, at SR_STATE's pace.
@@ -93,6 +95,7 @@ class Streams {
     std::array<Turn, kStreams.size()> turns{};
     std::int64_t radio_us = 0;  ///< last RADIO_STATUS
     double share = 1;           ///< of the full rate, as the radio allows
+    bool narrow = false;        ///< carries at most as much as a radio of 57,600 Bd
     /// Earliest due time of any non-state stream; 0: recompute.
     std::int64_t quiet_until_us = 0;
   };
@@ -103,13 +106,17 @@ class Streams {
   /// Applies changed default rates.
   void configure(const Configuration::Operators& operators);
 
+  /// A link that carries at most 5,760 bytes/s gets slow telemetry every 4 s, and the position every
+  /// second: the rest of a radio of 57,600 Bd is for the other boats. 0: no limit.
+  void limit(std::size_t link, std::uint32_t bytes_per_s);
+
   /// interval_us 0: the default, −1: never. An interval shorter than the tick, or than the link can
   /// carry (bytes_per_s, 0: no limit), is lengthened to that. False if there is no such stream.
   bool set(std::size_t link, std::uint16_t id, std::int64_t interval_us, std::uint32_t bytes_per_s);
 
   /// The effective interval of a fixed-pace stream: SR_SLOW below 1 Hz slows it too, so that
   /// parameters alone fit a fleet to a slow radio.
-  std::int64_t slowed_us(std::int64_t fixed_us) const;
+  std::int64_t slowed_us(std::size_t link, std::int64_t fixed_us) const;
 
   /// As in MESSAGE_INTERVAL: −1 if off, 0 if there is no such stream.
   std::int32_t interval_us(std::size_t link, std::uint16_t id) const;
@@ -138,6 +145,7 @@ class Streams {
   std::size_t find(std::uint16_t id) const;
   std::int64_t plain_interval_us(std::size_t stream, std::size_t link) const;
   std::int64_t stretched_us(std::size_t stream, std::size_t link) const;
+  std::int64_t slow_us(std::size_t link) const;
   void restart(std::size_t stream, std::size_t link);
   void set_share(std::size_t link, double share);
   void look_anew(std::size_t link) { links_[link].quiet_until_us = 0; }

@@ -45,7 +45,7 @@ bool TelemetrySender::locate(const link::GpsGlobalOrigin& origin) {
 bool TelemetrySender::needs_report() {
   if (origin_moved_ || separation_due_.is_due(now_us_) || state_is_due()) return true;
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (links_.bucket(link).for_rest() && streams_.any_due(link, now_us_)) return true;
+    if (links_.may_send_rest(link) && streams_.any_due(link, now_us_)) return true;
   }
   return false;
 }
@@ -188,7 +188,7 @@ void TelemetrySender::send_rest(std::size_t link, link::Counters& counters) {
 }
 
 bool TelemetrySender::has_room(std::size_t link) const {
-  return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
+  return links_.may_send_rest(link) && links_.room(link) >= kLargestFrame;
 }
 
 /// A stream with nothing to send yet stays due, except those that many boats never use. If a slow

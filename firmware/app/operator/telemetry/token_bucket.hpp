@@ -26,6 +26,7 @@ class TokenBucket {
 
   bool for_state() const { return rate_Bps_ == 0 || state_ > 0; }
   bool for_rest() const { return rate_Bps_ == 0 || rest_ > 0; }
+  bool rest_is_full() const { return rest_ >= most() * 2 / 5; }
 
   void spend_on_state(std::size_t bytes) { spend(state_, bytes); }
   void spend_on_rest(std::size_t bytes) { spend(rest_, bytes); }

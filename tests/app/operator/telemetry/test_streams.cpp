@@ -231,7 +231,38 @@ TEST_CASE("an SR_SLOW below 1 slows streams with a rate of their own; no other S
   }
   p.SR_SLOW = 0.25F;
   streams.configure(configuration_of(p).operators);
-  CHECK(streams.slowed_us(kSecond_us) == 4 * kSecond_us);
+  CHECK(streams.slowed_us(0, kSecond_us) == 4 * kSecond_us);
+}
+
+TEST_CASE("a link limited to 57,600 Bd gets the position every second, other telemetry every 4 s") {
+  Parameters p;
+  RoomyStreams streams(p, false, kTick_us), wide(p, false, kTick_us);
+  for (const std::uint32_t bytes_per_s : {5'760U, 1'000U, 5'761U, 0U}) {
+    streams.limit(1, bytes_per_s);
+    const bool narrow = bytes_per_s != 0 && bytes_per_s <= 5'760;
+    for (const StreamInfo& info : kStreams) {
+      CAPTURE(info.id);
+      const std::int32_t own_us = wide.interval_us(1, info.id);
+      const bool slowed = narrow && (info.pace == Pace::kSlow || info.pace == Pace::kFixed);
+      const std::int32_t least_us = info.id == link::GlobalPositionInt::kId ? 1'000'000 : 4'000'000;
+      CHECK(streams.interval_us(0, info.id) == own_us);
+      CHECK(streams.interval_us(1, info.id) == (slowed ? std::max(own_us, least_us) : own_us));
+    }
+    CHECK(streams.slowed_us(1, kSecond_us) == (narrow ? 4 : 1) * kSecond_us);
+  }
+  streams.limit(1, 1'000);
+  for (const float rate_Hz : {0.0F, 0.1F, 20.0F}) {
+    p.SR_SLOW = rate_Hz;
+    streams.configure(configuration_of(p).operators);
+    wide.configure(configuration_of(p).operators);
+    const std::int32_t own_us = wide.interval_us(1, link::NamedValueFloat::kId);
+    const std::int32_t us = streams.interval_us(1, link::NamedValueFloat::kId);
+    CHECK(us == (own_us > 0 ? std::max(own_us, 4'000'000) : own_us));
+    CHECK(streams.interval_us(1, link::GlobalPositionInt::kId) ==
+          (rate_Hz == 0.1F ? 10 : 1) * 1'000'000);
+  }
+  streams.set(1, link::NamedValueFloat::kId, 500'000, 0);
+  CHECK(streams.interval_us(1, link::NamedValueFloat::kId) == 500'000);
 }
 
 TEST_CASE("parameters set to the same value shift no stream's schedule") {
