@@ -76,16 +76,35 @@ TEST_CASE_TEMPLATE("a boat in floating point is driven where Q16 has no room", S
   CHECK((h.boat.conditions() & core::kInRange) != 0);
 }
 
-TEST_CASE("a leader reported 40 km away is beyond the law's numbers: FAULT") {
+TEST_CASE("a leader reported 40 km away is not believed: it is lost, and the boat coasts") {
   Harbour<Q16> h;
   h.cast_off();
   REQUIRE(h.boat.state() == State::kFormation);
   REQUIRE(h.pushes());
   h.leader_north_m = 40'000;
   const auto [pushed, said] = watch(h);
-  CHECK_FALSE(pushed);
-  CHECK(said);
-  CHECK(h.boat.state() == State::kFault);
+  CHECK_FALSE(said);
+  CHECK(h.boat.state() == State::kCoast);
+}
+
+TEST_CASE("no ship that AIS can report, and no impossible one, stops a boat in fixed point") {
+  Harbour<Q16> h;
+  h.cast_off();
+  for (const std::int32_t north_degE7 : {3'000, 40'000'000}) {
+    link::AisVessel ship{};
+    ship.MMSI = 211'000'001;
+    ship.lat = 410'000'000 + north_degE7;
+    ship.lon = 20'000'000;
+    ship.flags = link::mav::kAisCourse | link::mav::kAisSpeed | link::mav::kAisDimensions;
+    ship.COG = 35'999;
+    ship.velocity = 5000;
+    ship.dimension_bow = 65'535;
+    ship.dimension_port = 255;
+    h.tell(h.operator_, ship);
+    h.sail(0.5);
+    CHECK(h.boat.state() != State::kFault);
+    CHECK((h.boat.conditions() & core::kInRange) != 0);
+  }
 }
 
 TEST_CASE("a leader reported at 400 m/s is not believed: it is lost, and the boat at most coasts") {

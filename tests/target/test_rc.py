@@ -165,6 +165,36 @@ def test_a_receiver_that_repeats_its_last_pulses_leads_to_hold() -> None:
     assert sea.state == "MANUAL"
 
 
+def test_another_component_can_neither_lose_nor_find_the_pilots_receiver() -> None:
+    other = Station(BOAT, 151)
+    sea = at_sea(WITH_RC)
+    sea.say(status(healthy=False), sender=other)
+    for k in range(40):
+        sea.say(rc(ahead=0.5 if k > 4 else 0.0, on=True), sender=RECEIVER)
+        if k % 10 == 0:
+            sea.say(status(healthy=False), sender=other)
+        sea.say(rc(), sender=other)
+        sea.run(EVERY_S)
+    assert sea.state == "MANUAL" and any(sea.commands)
+    for k in range(20):
+        sea.say(rc(ahead=0.5, on=True), sender=RECEIVER)
+        if k % 10 == 0:
+            sea.say(status(healthy=False), sender=RECEIVER)
+            sea.say(status(healthy=True), sender=other)
+        sea.run(EVERY_S)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+
+
+def test_when_one_receiver_is_lost_the_pilot_may_take_another() -> None:
+    sea = at_sea(WITH_RC)
+    sea.say(status(healthy=False), sender=RECEIVER)
+    for _ in range(20):
+        sea.say(rc(ahead=1.0, on=True), sender=RECEIVER)
+        sea.say(rc(on=True), sender=Station(BOAT, 151))
+        sea.run(EVERY_S)
+    assert sea.state == "MANUAL" and sea.commands == (0, 0)
+
+
 def test_a_lost_receiver_of_another_boat_changes_nothing() -> None:
     sea = at_sea(WITH_RC)
     sea.say(status(healthy=False), sender=Station(LEADER, 1))

@@ -52,7 +52,7 @@ bool is_near(const Seen& seen, const Reach& within) {
 template <class S>
 Separation<S> separation(const Position& own, const Position& leader) {
   const Seen seen = seen_from(own, leader);
-  return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen, kNear)};
+  return {{limited<S>(-seen.north_m), limited<S>(-seen.east_m)}, is_near(seen, kNear)};
 }
 
 template <class S>

@@ -114,14 +114,14 @@ Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
 constexpr int kFastestShip_cmps = static_cast<int>(kFastest_mps) * 100;
 
 /// A vessel that reports itself at anchor, moored or aground counts as at rest up to 3 kn, as in
-/// ITU-R M.1371. Above that its status is outdated.
+/// ITU-R M.1371. Above that its status is outdated. One of unknown speed counts as at rest.
 bool rests(const link::AisVessel& m) {
   namespace mav = link::mav;
   constexpr int kStill_cmps = 30, kDrifts_cmps = 154;
   const std::uint8_t status = m.navigational_status;
   const bool told =
       status == mav::kAisAnchored || status == mav::kAisMoored || status == mav::kAisAground;
-  if ((m.flags & mav::kAisSpeed) == 0 || m.velocity > kFastestShip_cmps) return told;
+  if ((m.flags & mav::kAisSpeed) == 0 || m.velocity > kFastestShip_cmps) return true;
   return m.velocity < (told ? kDrifts_cmps : kStill_cmps);
 }
 
@@ -247,13 +247,15 @@ std::optional<AisReport<S>> ais_report_of(const link::AisVessel& m) {
   AisReport<S> out{{}, (std::int64_t{m.tslc} + 1) * 1'000'000, S(0), rests(m)};
   out.sample.at = {m.lat, m.lon};
   if (moves) {
-    out.sample.psi_rad = S(int{m.COG}) / S(kFullTurn_cdeg) * S(2 * 3.14159265358979);
+    constexpr float kPerCdeg_rad = 2 * 3.14159265358979F / kFullTurn_cdeg;
+    out.sample.psi_rad = scalar<S>(kPerCdeg_rad * static_cast<float>(m.COG));
     out.sample.u_mps = S(int{m.velocity}) / S(kCentimetres);
   }
   if ((m.flags & mav::kAisDimensions) != 0) {
-    const auto far = [](int a, int b) { return S(std::max(a, b)); };
-    out.reach_m = core::hypot(far(m.dimension_bow, m.dimension_stern),
-                              far(m.dimension_port, m.dimension_starboard));
+    // The greatest lengths and widths that AIS can report.
+    const auto far = [](int a, int b, int most) { return S(std::min(std::max(a, b), most)); };
+    out.reach_m = core::hypot(far(m.dimension_bow, m.dimension_stern, 511),
+                              far(m.dimension_port, m.dimension_starboard, 63));
   }
   return out;
 }

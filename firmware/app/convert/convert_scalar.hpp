@@ -2,6 +2,7 @@
 // Conversion between the scalars of wire and parameters and the law's scalar.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <concepts>
@@ -72,6 +73,11 @@ S scalar(Metres x) {
   } else {
     return static_cast<S>(x.raw()) / S(4294967296);
   }
+}
+/// The same, limited to ±15 km: farther is out of reach in any case, and overflows Q16.
+template <class S>
+S limited(Metres x) {
+  return scalar<S>(std::clamp(x, Metres(-15'000), Metres(15'000)));
 }
 inline double number(Metres x) { return scalar<double>(x); }
 

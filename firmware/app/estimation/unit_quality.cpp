@@ -2,6 +2,7 @@
 #include "app/estimation/unit_quality.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <variant>
@@ -20,13 +21,30 @@ constexpr unsigned kConstantPlace = 128, kGlitchOrUninitialised = 1024, kGpsGlit
 /// reports no quantity.
 using Verdict = std::optional<std::string_view>;
 
+constexpr std::string_view kHdop = "GPS HDOP", kAccuracy = "position accuracy",
+                           kRatios = "estimator test ratios";
+constexpr std::uint16_t kUnknownHdop = UINT16_MAX;
+
 /// A limit of 0 is off; NaN (unknown) exceeds no limit.
 bool beyond(float value, float limit) { return limit > 0 && value > limit; }
 
+/// Whether the message does not tell the quantity that was beyond its limit.
+bool hides(const link::GpsRawInt& m, std::string_view fault) {
+  return fault == kHdop && m.eph == kUnknownHdop;
+}
+bool hides(const link::EstimatorStatus& m, std::string_view fault) {
+  return (fault == kAccuracy && std::isnan(m.pos_horiz_accuracy)) ||
+         (fault == kRatios && std::isnan(m.vel_ratio + m.pos_horiz_ratio + m.mag_ratio));
+}
+bool hides(const link::EkfStatusReport& m, std::string_view fault) {
+  return fault == kRatios &&
+         std::isnan(m.velocity_variance + m.pos_horiz_variance + m.compass_variance);
+}
+bool hides(const link::Odometry&, std::string_view) { return false; }  // judge() tells
+
 Verdict judge(const link::GpsRawInt& m, const Configuration::Quality& limits) {
-  constexpr std::uint16_t kUnknown = UINT16_MAX;
   if (m.fix_type < limits.fix) return "GPS fix type";
-  if (m.eph != kUnknown && beyond(static_cast<float>(m.eph) / 100, limits.hdop)) return "GPS HDOP";
+  if (m.eph != kUnknownHdop && beyond(static_cast<float>(m.eph) / 100, limits.hdop)) return kHdop;
   return "";
 }
 
@@ -37,13 +55,12 @@ Verdict judge(unsigned flags, std::initializer_list<float> ratios,
   if ((flags & kNeeded) != kNeeded || (flags & kBad) != 0) {
     return "estimator flags";
   }
-  if (std::ranges::any_of(ratios, [&](float x) { return beyond(x, limits.ratio); }))
-    return "estimator test ratios";
+  if (std::ranges::any_of(ratios, [&](float x) { return beyond(x, limits.ratio); })) return kRatios;
   return "";
 }
 
 Verdict judge(const link::EstimatorStatus& m, const Configuration::Quality& limits) {
-  if (beyond(m.pos_horiz_accuracy, limits.accuracy_m)) return "position accuracy";
+  if (beyond(m.pos_horiz_accuracy, limits.accuracy_m)) return kAccuracy;
   return judge(m.flags, {m.vel_ratio, m.pos_horiz_ratio, m.mag_ratio}, limits);
 }
 
@@ -55,7 +72,7 @@ Verdict judge(const link::Odometry& m, const Configuration::Quality& limits) {
   const float north = m.pose_covariance[0], east = m.pose_covariance[6];  // of 6 × 6, m²
   if (!(north > 0) || !(east > 0)) return std::nullopt;
   const float limit = limits.accuracy_m * limits.accuracy_m;
-  return beyond(north, limit) || beyond(east, limit) ? "position accuracy" : "";
+  return beyond(north, limit) || beyond(east, limit) ? kAccuracy : "";
 }
 
 }  // namespace
@@ -65,7 +82,7 @@ void UnitQuality::take(const link::Received& received, const Limits& limits, std
   component_ = received.from.component;
   const link::Message& message = received.message;
   const auto look = [&]<class M>(std::size_t kind, const M* m) {
-    if (m == nullptr) return;
+    if (m == nullptr || (bad_[kind] && hides(*m, fault_))) return;
     const auto stricter = Limits{limits.fix, kBetter * limits.hdop, kBetter * limits.accuracy_m,
                                  kBetter * limits.ratio};
     const Verdict verdict = judge(*m, bad_[kind] ? stricter : limits);

@@ -65,8 +65,12 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
     reports_.hear(received, now_us);
     claims_.hear(received, sender.may_claim, reference_.place(), now_us);
   }
-  if (neighbours_.watches() && place != nullptr) {
+  if (!neighbours_.watches()) return;
+  if (place != nullptr) {
     neighbours_.take<S>(received, *place, now_us, kMoves ? sender.reach_m : std::nullopt);
+  } else if (const auto* ship = std::get_if<link::AisVessel>(&received.message)) {
+    // A resting ship reports every three minutes: too seldom to wait for our own position.
+    neighbours_.take<S>(received, {{}, {}, {ship->lat, ship->lon, 0, 0}}, now_us);
   }
 }
 

@@ -131,7 +131,7 @@ class JumpGuard {
     const std::int64_t apart_us = std::abs(b.arrived_us - a.arrived_us);
     const std::int64_t most_us = std::min(apart_us + kSettled_us, kLongest_us);
     const auto h_us = std::clamp<std::int64_t>(b.stamp_us - a.stamp_us, 0, most_us);
-    return {{convert::scalar<S>(b.north_m - a.north_m), convert::scalar<S>(b.east_m - a.east_m)},
+    return {{convert::limited<S>(b.north_m - a.north_m), convert::limited<S>(b.east_m - a.east_m)},
             a.psi,
             b.psi,
             a.nu,

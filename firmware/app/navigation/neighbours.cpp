@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "app/convert/portable.hpp"
 #include "app/navigation/clock_offset.hpp"
@@ -11,26 +12,29 @@
 namespace flotilla::app {
 namespace {
 
-// No moving vessel is extrapolated longer.
+// No moving vessel is extrapolated longer. A vessel all of whose states seem even later is believed
+// to be prompt: its clock may have been set back, or one wrong stamp may have run ahead.
 constexpr std::int64_t kShipForgotten_us = 30'000'000;
-// A vessel all of whose states seem even later is believed to be prompt after this time: its clock
-// may have been set back, or one wrong stamp may have run ahead.
-constexpr std::int64_t kHidden_us = 60'000'000;
 constexpr std::int64_t kRestingForgotten_us = 390'000'000;  // two of its reports, and half a minute
 constexpr std::int64_t kSways_us = 10'000'000;  // a resting ship is extrapolated no longer
 constexpr std::uint32_t kLastSystem = 255;
-// If there are more vessels than entries, a moving one counts as nearer by the distance that it
-// covers in this time, so that boats at rest do not displace a ship that approaches.
-constexpr float kFarSighted_s = 30;
+// If there are more vessels than entries, those count that come nearest within this time.
+constexpr double kFarSighted_s = 30;
 constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
 constexpr std::int64_t kDrift = 1'000;  // no two clocks drift apart by 1/kDrift
 constexpr float kDeepest = 250;
 
-/// The distance covered in kFarSighted_s at these velocities, or up to 1.4 times as much. The
-/// microcontroller's image has no room for this rule.
-float way_of(float ahead_mps, float aside_mps) {
-  if (FLOTILLA_WEIGHS_SPEED == 0) return 0;
-  return kFarSighted_s * (std::abs(ahead_mps) + std::abs(aside_mps));
+/// How near a vessel at that distance comes to our present place within kFarSighted_s, m. On the
+/// microcontroller, whose image has no room for this rule: how near it is.
+double nearest_m(double north_m, double east_m, double v_north_mps, double v_east_mps) {
+  if constexpr (FLOTILLA_LOOKS_AHEAD != 0) {
+    const double v2 = v_north_mps * v_north_mps + v_east_mps * v_east_mps;
+    const double closing = -(north_m * v_north_mps + east_m * v_east_mps);
+    const double t_s = v2 > 0 ? std::clamp(closing / v2, 0.0, kFarSighted_s) : 0;
+    north_m += t_s * v_north_mps;
+    east_m += t_s * v_east_mps;
+  }
+  return portable::hypot(north_m, east_m);
 }
 
 std::uint16_t milliseconds(std::int64_t us) {
@@ -52,21 +56,49 @@ bool is_ours(const link::Message& message) {
          std::holds_alternative<link::FleetBeacon>(message);
 }
 
-/// Position and velocity, in the sender's local frame or global; the heading does not matter.
+// The same states without anything but the place, in case that is all they tell.
+link::Odometry place_alone(link::Odometry m) {
+  m.q = {1, 0, 0, 0};
+  m.z = m.vx = m.vy = m.vz = m.rollspeed = m.pitchspeed = m.yawspeed = 0;
+  m.child_frame_id = link::mav::kFrameLocalNed;
+  return m;
+}
+link::LocalPositionNed place_alone(link::LocalPositionNed m) {
+  m.z = m.vx = m.vy = m.vz = 0;
+  return m;
+}
+link::GlobalPositionInt place_alone(link::GlobalPositionInt m) {
+  m.vx = m.vy = 0;
+  return m;
+}
+link::FollowTarget place_alone(link::FollowTarget m) {
+  m.est_capabilities &= link::mav::kFollowPosition;
+  if (m.est_capabilities != 0) m.est_capabilities |= link::mav::kFollowVelocity;
+  m.vel = {};
+  return m;
+}
+
+/// Position and velocity, in the sender's local frame or global; the heading does not matter. A
+/// vessel that does not tell how it moves counts as at rest.
 template <class S>
 std::optional<convert::Sample<S>> place_of(const link::Message& message) {
   constexpr convert::HeadingSample<S> kNorth{};
-  if (const auto* odometry = std::get_if<link::Odometry>(&message)) {
-    return convert::sample_of<S>(*odometry).sample;
-  }
-  if (const auto* local = std::get_if<link::LocalPositionNed>(&message)) {
-    return convert::sample_of(*local, kNorth);
-  }
-  if (const auto* global = std::get_if<link::GlobalPositionInt>(&message)) {
-    return convert::sample_of(*global, kNorth);
-  }
-  const auto* target = std::get_if<link::FollowTarget>(&message);
-  return target != nullptr ? convert::sample_of(*target, kNorth) : std::nullopt;
+  const auto place = [&](const auto* m) -> std::optional<convert::Sample<S>> {
+    const auto read = [&](const auto& told) -> std::optional<convert::Sample<S>> {
+      if constexpr (std::is_same_v<decltype(m), const link::Odometry*>) {
+        return convert::sample_of<S>(told).sample;
+      } else {
+        return convert::sample_of(told, kNorth);
+      }
+    };
+    const auto whole = read(*m);
+    return whole ? whole : read(place_alone(*m));
+  };
+  if (const auto* m = std::get_if<link::Odometry>(&message)) return place(m);
+  if (const auto* m = std::get_if<link::LocalPositionNed>(&message)) return place(m);
+  if (const auto* m = std::get_if<link::GlobalPositionInt>(&message)) return place(m);
+  const auto* m = std::get_if<link::FollowTarget>(&message);
+  return m != nullptr ? place(m) : std::nullopt;
 }
 
 bool same(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) {
@@ -92,7 +124,7 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   }
   if (!watches() || system == own_system_ || system == 0) return;
   if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
-    take_heartbeat(received.from, *beat);
+    take_heartbeat(received.from, *beat, now_us);
   } else if (is_ours(received.message)) {
     speaker_[system] = component;
   } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
@@ -102,16 +134,20 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin);
   } else if (const auto sample = place_of<S>(received.message)) {
-    Vessel* vessel = take_place(system, *sample, own, now_us);
-    if (vessel != nullptr && reach_m) vessel->reach_m = *reach_m;
+    take_place(system, *sample, reach_m, own, now_us);
   }
 }
 
-void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& message) {
+/// The component whose places are used stays the vessel's autopilot.
+void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& message,
+                                std::int64_t now_us) {
   if (!is_vehicle(message)) return;
   constexpr unsigned kBySelf = link::mav::kModeFlagAuto | link::mav::kModeFlagGuided;
-  autopilot_[from.system] = from.component;
-  if (Vessel* vessel = find(from.system)) vessel->steered = (message.base_mode & kBySelf) != 0;
+  Vessel* vessel = find(from.system);
+  std::uint8_t& autopilot = autopilot_[from.system];
+  if (autopilot != from.component && vessel != nullptr && counts(*vessel, now_us)) return;
+  autopilot = from.component;
+  if (vessel != nullptr) vessel->steered = (message.base_mode & kBySelf) != 0;
 }
 
 /// Other firmware sends the depth of the water under that name.
@@ -157,14 +193,15 @@ void Neighbours::take_ais(const link::AisVessel& message, const convert::Positio
   if (report->age_us > (report->rests ? kRestingForgotten_us : kShipForgotten_us)) return;
   convert::Sample<S> sample = report->sample;
   sample.stamp_us = now_us - report->age_us;
-  if (Vessel* vessel = take_place(message.MMSI, sample, own, now_us)) {
+  const auto reach_m = static_cast<float>(convert::number(report->reach_m));
+  if (Vessel* vessel = take_place(message.MMSI, sample, reach_m, own, now_us)) {
     vessel->rests = report->rests;
-    vessel->reach_m = static_cast<float>(convert::number(report->reach_m));
   }
 }
 
 template <class S>
 Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Sample<S>& sample,
+                                           std::optional<float> reach_m,
                                            const convert::Position& own, std::int64_t now_us) {
   const bool local = !sample.at;
   const auto origin = local ? origin_of(id) : std::optional(own.origin);
@@ -176,17 +213,21 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   motion.psi = seen.psi_rad;
   const auto controller_input = convert::controller_input_of<S>(own, {}, there, motion);
   const core::Vec2<S>& apart_n = controller_input.separation_n;
-  const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
-  const float way_m = way_of(static_cast<float>(convert::number(seen.u_mps)),
-                             static_cast<float>(convert::number(seen.v_mps)));
-  Vessel* vessel = place_for(id, apart_m - double{way_m}, own, now_us);
-  if (vessel == nullptr) return nullptr;
-  const bool newest = date(*vessel, seen.stamp_us, now_us);
-  const bool late = !newest || vessel->late_ms * std::int64_t{1000} > kForgotten_us;
-  if (late && apart_m < double{least_m_ + vessel->reach_m}) late_near_us_ = now_us;
-  if (!newest) return nullptr;
   const auto v_n =
       core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
+  const double north_m = -convert::number(apart_n.x), east_m = -convert::number(apart_n.y);
+  const double comes_m =
+      nearest_m(north_m, east_m, convert::number(v_n.x), convert::number(v_n.y)) -
+      double{reach_m.value_or(0)};
+  Vessel* vessel = place_for(id, comes_m, own, now_us);
+  if (vessel == nullptr) return nullptr;
+  if (reach_m) vessel->reach_m = *reach_m;
+  const bool newest = date(*vessel, seen.stamp_us, now_us);
+  const bool late = !newest || vessel->late_ms * std::int64_t{1000} > kForgotten_us;
+  if (late && portable::hypot(north_m, east_m) < double{least_m_ + vessel->reach_m}) {
+    late_near_us_ = now_us;
+  }
+  if (!newest) return nullptr;
   vessel->located = true;
   vessel->north_m = own.north_m - apart_n.x;
   vessel->east_m = own.east_m - apart_n.y;
@@ -213,8 +254,8 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
 bool Neighbours::date_by_stamp(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
   const std::int64_t last_us = vessel.true_us - vessel.ahead_us;
   const std::int64_t arrived_us = now_us - stamp_us, silent_us = now_us - vessel.true_us;
-  const bool restarted = silent_us > kForgotten_us &&
-                         (silent_us > kHidden_us || is_restart(stamp_us, last_us, silent_us));
+  const bool restarted = silent_us > kForgotten_us && (silent_us > kShipForgotten_us ||
+                                                       is_restart(stamp_us, last_us, silent_us));
   std::int64_t ahead_us = arrived_us;
   if (vessel.dated && !restarted) {
     ahead_us = std::min(vessel.ahead_us + (stamp_us - last_us) / kDrift, arrived_us);
@@ -252,19 +293,23 @@ Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
   return found == vessels_.end() ? nullptr : found;
 }
 
-/// The vessel's own entry, else a free one, else that of the farthest vessel if this one is nearer.
-/// Each distance is reduced by way_of().
-Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double distance_m,
+double Neighbours::comes_m(const Vessel& v, const convert::Position& own) {
+  if (!v.located) return std::numeric_limits<double>::max();
+  return nearest_m(convert::number(v.north_m - own.north_m), convert::number(v.east_m - own.east_m),
+                   double{v.v_north_mps}, double{v.v_east_mps}) -
+         double{v.reach_m};
+}
+
+/// The vessel's own entry, else a free one, else that of the vessel that stays farthest away, if
+/// this one comes nearer.
+Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double near_m,
                                           const convert::Position& own, std::int64_t now_us) {
   if (Vessel* known = find(id)) return known;
-  double farthest_m = distance_m;
+  double farthest_m = near_m;
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
     const bool free = v.id == 0 || now_us - v.true_us > patience_us(v);
-    const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
-                                                     convert::number(v.east_m - own.east_m)) -
-                                         double{way_of(v.v_north_mps, v.v_east_mps)}
-                                   : std::numeric_limits<double>::max();
+    const double far_m = comes_m(v, own);
     if (!free && !(far_m > farthest_m)) continue;
     place = &v;
     if (free) break;
@@ -324,12 +369,24 @@ core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::V
                                      std::int64_t now_us) const {
   core::Traffic<S> out;
   if (!same(own.origin, frame_)) return out;
+  std::array<const Vessel*, kKept> known{};
+  std::size_t count = 0;
   for (const Vessel& v : tracked()) {
-    if (!counts(v, now_us)) continue;
+    if (counts(v, now_us)) known[count++] = &v;
+  }
+  if constexpr (kKept > core::kMaxVessels) {
+    if (count > core::kMaxVessels) {
+      std::ranges::nth_element(known.begin(), known.begin() + core::kMaxVessels,
+                               known.begin() + static_cast<std::ptrdiff_t>(count), {},
+                               [&](const Vessel* v) { return comes_m(*v, own); });
+      count = core::kMaxVessels;
+    }
+  }
+  for (const Vessel* v : std::span(known).first(count)) {
     core::OtherVessel<S>& other = out.vessels[out.count++];
-    other = seen(v, own, moved_n, now_us);
-    other.has_way = has_way(v);
-    other.stranger = !v.depth && v.id != leader_system_;
+    other = seen(*v, own, moved_n, now_us);
+    other.has_way = has_way(*v);
+    other.stranger = !v->depth && v->id != leader_system_;
   }
   return out;
 }

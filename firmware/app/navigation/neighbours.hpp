@@ -16,8 +16,8 @@ namespace flotilla::app {
 
 /// A vessel is a system with a component whose heartbeat announces a vehicle's autopilot; that
 /// component's GLOBAL_POSITION_INT and FOLLOW_TARGET count, and, if its origin is known, its
-/// LOCAL_POSITION_NED and ODOMETRY. Virtual leaders, ground stations, companions and gimbals do not
-/// count. When full, keeps the nearest vessels; forgets silent ones.
+/// LOCAL_POSITION_NED and ODOMETRY, even if they tell only its place. Virtual leaders, ground stations, companions and gimbals do not
+/// count. When full, keeps the vessels that come nearest; forgets silent ones.
 ///
 /// The delay of a state beyond that of the vessel's promptest messages adds to its age, up to 30 s.
 /// The delay that all its messages share is not measured, but assumed to be 0.1 s.
@@ -67,6 +67,10 @@ class Neighbours {
 
  private:
   static constexpr std::int64_t kForgotten_us = 3'000'000;
+  /// Vessels in memory; traffic() contains the nearest of them. A resting ship that is forgotten
+  /// reports again after three minutes only.
+  static constexpr std::size_t kKept =
+      FLOTILLA_LOOKS_AHEAD != 0 ? 4 * core::kMaxVessels : core::kMaxVessels;
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   struct Vessel {
     std::uint32_t id = 0;  ///< system id, or MMSI (always greater); 0: a free entry
@@ -100,7 +104,7 @@ class Neighbours {
   template <class S>
   void take_news(const link::Received& received, const convert::Position& own, std::int64_t now_us,
                  std::optional<float> reach_m);
-  void take_heartbeat(link::Address from, const link::Heartbeat& message);
+  void take_heartbeat(link::Address from, const link::Heartbeat& message, std::int64_t now_us);
   void take_depth(link::Address from, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message);
   std::optional<link::GpsGlobalOrigin> origin_of(std::uint32_t id) const;
@@ -109,13 +113,16 @@ class Neighbours {
   /// Stores the place if this is the vessel's newest state, and returns its entry; else nullptr.
   template <class S>
   Vessel* take_place(std::uint32_t id, const convert::Sample<S>& sample,
-                     const convert::Position& own, std::int64_t now_us);
+                     std::optional<float> reach_m, const convert::Position& own,
+                     std::int64_t now_us);
   bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
   bool date_by_stamp(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
   template <class S>
   void look_from(const convert::Position& own);
   Vessel* find(std::uint32_t id);
-  Vessel* place_for(std::uint32_t id, double distance_m, const convert::Position& own,
+  /// How near a vessel comes to us, m.
+  static double comes_m(const Vessel& vessel, const convert::Position& own);
+  Vessel* place_for(std::uint32_t id, double near_m, const convert::Position& own,
                     std::int64_t now_us);
   static std::int64_t patience_us(const Vessel& vessel);
   static bool counts(const Vessel& vessel, std::int64_t now_us);
@@ -133,8 +140,8 @@ class Neighbours {
   std::int64_t late_us_ = kNever;  // when a message was last late
   std::int64_t late_near_us_ = kNever;
   std::uint8_t late_ = 0;  // whose it is
-  std::array<Vessel, core::kMaxVessels> vessels_{};
-  std::array<LocalFrame, 2 * core::kMaxVessels> local_frames_{};
+  std::array<Vessel, kKept> vessels_{};
+  std::array<LocalFrame, 2 * kKept> local_frames_{};
   std::size_t last_frame_ = 0;                 // entered last
   std::size_t used_ = 0;                       // entries of vessels_ that were ever in use
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard

@@ -16,12 +16,20 @@ constexpr std::size_t kSteering = 0, kThrottle = 2;
 constexpr std::uint16_t kSwitchedOn_us = 1700;
 constexpr double kMoved = 0.3;
 constexpr std::int64_t kSilent_us = 500'000;
+constexpr std::uint32_t kReceiver = link::mav::kSensorRcReceiver;
 
 bool is_pulse(std::uint16_t us) { return us >= 800 && us <= 2200; }
 
 double share_of(std::uint16_t us) { return std::clamp((us - 1500) / 400.0, -1.0, 1.0); }
 
 }  // namespace
+
+bool RcInput::hears(std::uint8_t component, std::int64_t now_us) {
+  if (component != component_ && component_ != 0 && now_us - heard_us_ < kSilent_us) return false;
+  if (component != component_) *this = {};
+  component_ = component;
+  return true;
+}
 
 bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
                    State state, std::int64_t now_us) {
@@ -47,9 +55,12 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
   return true;
 }
 
+bool RcInput::reports_receiver(const link::SysStatus& status) {
+  return (status.sensors_present & kReceiver) != 0;
+}
+
 void RcInput::judge(const link::SysStatus& status) {
-  constexpr std::uint32_t kReceiver = link::mav::kSensorRcReceiver;
-  if ((status.sensors_present & kReceiver) == 0) return;
+  if (!reports_receiver(status)) return;
   lost_ = (status.sensors_enabled & ~status.sensors_health & kReceiver) != 0;
 }
 

@@ -15,10 +15,14 @@ namespace flotilla::app {
 /// HOLD. Channels as on ArduPilot Rover: 1 steers, 3 is the throttle.
 class RcInput {
  public:
+  /// Whether messages of this component count: it is the only one until it has been silent for half
+  /// a second.
+  bool hears(std::uint8_t component, std::int64_t now_us);
   /// Takes the pulses of channels 1 and up, µs; switch_channel counts from 1. False if a channel
   /// that is needed is missing or has no valid pulse.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
             core::State state, std::int64_t now_us);
+  static bool reports_receiver(const link::SysStatus& status);
   /// Notes the receiver's health, as reported by the unit it is connected to: a receiver that has
   /// lost its transmitter may repeat its last pulses endlessly. Ignores units without a receiver.
   void judge(const link::SysStatus& status);
@@ -36,6 +40,7 @@ class RcInput {
   std::int64_t heard_us_ = 0;
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
   bool lost_ = false;
+  std::uint8_t component_ = 0;
   std::optional<core::Request> asks_;
 };
 

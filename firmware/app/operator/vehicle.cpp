@@ -178,7 +178,8 @@ bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int
   RcInput* input = &transmitter_;
   std::span<const std::uint16_t> pulses_us;
   if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
-    if (received.from.system != self().system || input->is_lost()) return true;
+    if (received.from.system != self().system) return true;
+    if (!input->hears(received.from.component, now_us) || input->is_lost()) return true;
     pulses_us = std::span(rc->pulses).first(std::min<std::size_t>(rc->chancount, 16));
   } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
     const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
@@ -188,7 +189,10 @@ bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int
     pulses_us = given->pulses;
   } else {
     const auto* status = std::get_if<link::SysStatus>(&received.message);
-    if (status != nullptr && received.from.system == self().system) input->judge(*status);
+    if (status == nullptr || received.from.system != self().system) return false;
+    if (RcInput::reports_receiver(*status) && input->hears(received.from.component, now_us)) {
+      input->judge(*status);
+    }
     return false;
   }
   if (!channel || !input->hear(pulses_us, *channel, supervisor_.state(), now_us)) return true;

@@ -125,6 +125,23 @@ TEST_CASE("a poor estimate counts as good after a second at a fifth below its li
   CHECK_FALSE(u.good());
 }
 
+TEST_CASE("an estimate stays poor while its poor value is unknown, and only then") {
+  const auto recovers = [](const link::Message& poor, const link::Message& next) {
+    Unit unit;
+    unit.say(poor);
+    CHECK_FALSE(unit.good());
+    for (int i = 0; i < 20; ++i) unit.say(next);
+    return unit.good();
+  };
+  constexpr std::uint16_t kNoHdop = 65535;
+  CHECK_FALSE(recovers(gps(3, 900), gps(3, kNoHdop)));
+  CHECK(recovers(gps(0, kNoHdop), gps(3, kNoHdop)));
+  CHECK_FALSE(recovers(estimator(50), estimator(kUnknown)));
+  CHECK(recovers(estimator(kUnknown, 0.1F, 0), estimator(kUnknown)));
+  CHECK_FALSE(recovers(ekf(5), ekf(kUnknown)));
+  CHECK_FALSE(recovers(odometry(900, 900), odometry(kUnknown, kUnknown)));
+}
+
 TEST_CASE("an estimate stays poor in silence, and when another kind of message reports good") {
   Unit u;
   u.say(gps(1, 100));
