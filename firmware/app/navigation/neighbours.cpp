@@ -138,15 +138,22 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   }
 }
 
-/// The component whose places are used stays the vessel's autopilot.
+/// The component whose places are used stays the vessel's autopilot; another one gets its turn if
+/// it has sent none between two of its heartbeats.
 void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& message,
                                 std::int64_t now_us) {
   if (!is_vehicle(message)) return;
   constexpr unsigned kBySelf = link::mav::kModeFlagAuto | link::mav::kModeFlagGuided;
   Vessel* vessel = find(from.system);
   std::uint8_t& autopilot = autopilot_[from.system];
-  if (autopilot != from.component && vessel != nullptr && counts(*vessel, now_us)) return;
-  autopilot = from.component;
+  const bool told = vessel != nullptr && counts(*vessel, now_us);
+  if (autopilot == from.component) {
+    idle_[from.system] = !told;
+  } else {
+    if (autopilot != 0 && (told || !idle_[from.system])) return;
+    autopilot = from.component;
+    idle_[from.system] = false;
+  }
   if (vessel != nullptr) vessel->steered = (message.base_mode & kBySelf) != 0;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -145,6 +146,7 @@ class Neighbours {
   std::size_t last_frame_ = 0;                 // entered last
   std::size_t used_ = 0;                       // entries of vessels_ that were ever in use
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
+  std::bitset<256> idle_;                      // which of them tell no place
   std::array<std::uint8_t, 256> speaker_{};    // component that speaks our dialect, by system
 };
 
