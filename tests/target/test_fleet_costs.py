@@ -49,11 +49,11 @@ def kB_more_of_a_fleet(boats: int) -> float:
     return resident_kB() - before_kB
 
 
-def test_a_boat_with_its_wires_takes_under_41_kB_more() -> None:
+def test_a_boat_with_its_wires_takes_under_44_kB_more() -> None:
     # in a new process, as this one would first reuse freed memory
     what = "from tests.target.test_fleet_costs import *; print(kB_more_of_a_fleet(1000))"
     told = subprocess.check_output([sys.executable, "-c", what], cwd=ROOT, text=True)
-    assert 5.0 < float(told) / 4000 < 41.0
+    assert 5.0 < float(told) / 4000 < 44.0
 
 
 @pytest.mark.parametrize("radio", [{}, {"delay_s": 0.05, "jitter_s": 0.05, "loss": 0.1}])

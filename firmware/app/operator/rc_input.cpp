@@ -16,7 +16,6 @@ constexpr std::size_t kSteering = 0, kThrottle = 2;
 constexpr std::uint16_t kSwitchedOn_us = 1700;
 constexpr double kMoved = 0.3;
 constexpr std::int64_t kSilent_us = 500'000;
-constexpr std::uint32_t kReceiver = link::mav::kSensorRcReceiver;
 
 bool is_pulse(std::uint16_t us) { return us >= 800 && us <= 2200; }
 
@@ -55,12 +54,11 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
   return true;
 }
 
-bool RcInput::reports_receiver(const link::SysStatus& status) {
-  return (status.sensors_present & kReceiver) != 0;
-}
-
-void RcInput::judge(const link::SysStatus& status) {
-  if (!reports_receiver(status)) return;
+void RcInput::judge(std::uint8_t component, const link::SysStatus& status) {
+  constexpr std::uint32_t kReceiver = link::mav::kSensorRcReceiver;
+  const bool others = component_ != 0 && component != component_;
+  if ((status.sensors_present & kReceiver) == 0 || others) return;
+  component_ = component;
   lost_ = (status.sensors_enabled & ~status.sensors_health & kReceiver) != 0;
 }
 

@@ -22,10 +22,9 @@ class RcInput {
   /// that is needed is missing or has no valid pulse.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
             core::State state, std::int64_t now_us);
-  static bool reports_receiver(const link::SysStatus& status);
-  /// Notes the receiver's health, as reported by the unit it is connected to: a receiver that has
-  /// lost its transmitter may repeat its last pulses endlessly. Ignores units without a receiver.
-  void judge(const link::SysStatus& status);
+  /// Notes the receiver's health, as reported by the component that sends its pulses: a receiver
+  /// that has lost its transmitter may repeat its last pulses endlessly.
+  void judge(std::uint8_t component, const link::SysStatus& status);
   bool is_lost() const { return lost_; }
 
   /// The pilot has taken over, and is heard.

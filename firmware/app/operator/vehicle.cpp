@@ -189,9 +189,8 @@ bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int
     pulses_us = given->pulses;
   } else {
     const auto* status = std::get_if<link::SysStatus>(&received.message);
-    if (status == nullptr || received.from.system != self().system) return false;
-    if (RcInput::reports_receiver(*status) && input->hears(received.from.component, now_us)) {
-      input->judge(*status);
+    if (status != nullptr && received.from.system == self().system) {
+      input->judge(received.from.component, *status);
     }
     return false;
   }

@@ -47,7 +47,7 @@ TEST_CASE("a receiver counts as lost while its unit reports it enabled but not h
     status.sensors_present = present;
     status.sensors_enabled = enabled;
     status.sensors_health = health;
-    rc.judge(status);
+    rc.judge(140, status);
     return rc.is_lost();
   };
   CHECK_FALSE(lost(~0U, ~0U, ~0U));
