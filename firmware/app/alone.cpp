@@ -56,8 +56,9 @@ void Alone<S>::start_errand(const Now& now) {
   const std::optional<Target> asked = vehicle_.orders().take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
+  asked_ = now.state == core::State::kGuided && asked;
   if (now.state == core::State::kReturn) return sail_back(here);
-  errands_.sail_to(now.state == core::State::kGuided && asked ? *asked : here);
+  errands_.sail_to(asked_ ? *asked : here);
   sail_errand();
 }
 
@@ -93,7 +94,7 @@ void Alone<S>::keep_fence(const Now& now) {
   if (!fence.is_on() || !leg_due_.take_if_due(now.now_us) || leg_keeps_fence()) return;
   const Target here{convert::global_of(pilot_.place())};
   if (now.state == core::State::kReturn) return sail_back(here);
-  sail_round(now.state == core::State::kLoiter ? here : errands_.goal(), here);
+  sail_round(asked_ ? errands_.goal() : here, here);
 }
 
 /// Whether the straight ways from the boat to the vessel that sails the errand, and to that

@@ -78,6 +78,7 @@ class Alone {
 
   Errands errands_;                       // of GUIDED, LOITER, RTL
   bool driven_ = false;                   // by velocities, in GUIDED
+  bool asked_ = false;                    // errands_ lead to a target that was asked for
   VoyagePilot<S> voyage_;                 // of AUTO
   std::optional<std::uint16_t> reached_;  // item of the plan
   Schedule way_due_{100'000};
