@@ -66,8 +66,14 @@ template <class S>
 void Alone<S>::sail_back(const Target& meanwhile) {
   const auto home = this->home();
   if (!home) return sail_round(meanwhile, meanwhile);
-  sail_round({vehicle_.missions().return_place(pilot_.place(), *home, configuration().plan)},
-             meanwhile);
+  sail_round({return_place(pilot_.place(), *home)}, meanwhile);
+}
+
+template <class S>
+convert::GlobalPoint Alone<S>::return_place(const convert::Position& here,
+                                            const convert::GlobalPoint& home) const {
+  const auto& [plan, failsafes] = std::tie(configuration().plan, configuration().failsafes);
+  return vehicle_.missions().return_place(here, home, plan, failsafes.fence_m);
 }
 
 template <class S>
@@ -206,7 +212,7 @@ void Alone<S>::look_for_rally(const convert::Position& here, std::int64_t now_us
   const auto home = this->home();
   if (limits_.home_near() || !home) rally_near_ = false;
   if (limits_.home_near() || !home || !rally_due_.take_if_due(now_us)) return;
-  const auto goal = vehicle_.missions().return_place(here, *home, configuration().plan);
+  const auto goal = return_place(here, *home);
   rally_near_ = convert::distance_m(here, {0, 0, {goal.latitude, goal.longitude, 0, 0}}) <
                 double{kErrandReach_m};
 }

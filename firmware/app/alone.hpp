@@ -56,6 +56,8 @@ class Alone {
   void start_plan();
   void start_errand(const Now& now);
   void sail_back(const Target& meanwhile);
+  convert::GlobalPoint return_place(const convert::Position& here,
+                                    const convert::GlobalPoint& home) const;
   void sail_round(const Target& target, const Target& meanwhile);
   void sail_errand();
   void keep_fence(const Now& now);

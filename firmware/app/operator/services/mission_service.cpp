@@ -364,7 +364,9 @@ bool MissionService::plan_is_sound(bool in_auto) const {
 
 convert::GlobalPoint MissionService::return_place(const convert::Position& here,
                                                   const convert::GlobalPoint& home,
-                                                  const PlanDefaults& defaults) const {
+                                                  const PlanDefaults& defaults,
+                                                  const std::optional<float>& fence_m) const {
+  const convert::Position at_home{0, 0, {home.latitude, home.longitude, 0, 0}};
   convert::GlobalPoint best = home;
   double nearest_m = 0;
   bool found = false, straight = false;
@@ -372,6 +374,7 @@ convert::GlobalPoint MissionService::return_place(const convert::Position& here,
     const convert::GlobalPoint place{point.x, point.y};
     if (!fence_.refusal_of(place, 0).empty()) continue;
     const convert::Position there{0, 0, {place.latitude, place.longitude, 0, 0}};
+    if (fence_m && convert::distance_m(at_home, there) > double{*fence_m}) continue;
     const double away_m = convert::distance_m(here, there);
     if (away_m > double{kErrandReach_m}) continue;
     const bool leads = fence_.refusal_of(here, place, defaults.margin_m).empty();

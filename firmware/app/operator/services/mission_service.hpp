@@ -120,9 +120,10 @@ class MissionService {
   std::string_view plan_trouble() const { return check_.why().empty() ? way_why_ : check_.why(); }
 
   /// The place to which a boat at `here` returns: the nearest permitted rally point, if possible
-  /// one with a straight way; home if there is none.
+  /// one with a straight way; home if there is none. fence_m: the farthest from home.
   convert::GlobalPoint return_place(const convert::Position& here, const convert::GlobalPoint& home,
-                                    const PlanDefaults& defaults) const;
+                                    const PlanDefaults& defaults,
+                                    const std::optional<float>& fence_m) const;
 
  private:
   struct Store {
