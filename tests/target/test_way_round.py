@@ -17,10 +17,12 @@ from tests.target.plans import (
     ITEM_ACCEPTED,
     KEEP_IN,
     KEEP_OUT,
+    RALLY,
     Item,
     at,
     circle,
     corners,
+    rally,
 )
 from tests.target.stations import BOAT, HOLD
 from tests.target.test_auto import at_sea, place
@@ -153,6 +155,18 @@ def test_rtl_from_outside_the_fence_sails_home() -> None:
     sea.run(70.0)
     assert sea.state == "RTL" and NO_WAY not in words(sea), words(sea)
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
+
+
+def test_a_boat_returns_home_if_no_way_to_a_rally_point_is_straight_but_that_one() -> None:
+    sea = away((12, 0))
+    fence = corners(KEEP_IN, [(-10, -20), (-10, 20), (40, 20), (40, -20)])
+    fence += corners(KEEP_OUT, [(20, -25), (20, 25), (22, 25), (22, -25)])
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
+    assert send(sea, RALLY, [rally(30, 0)]) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.run(60.0)
+    assert sea.state == "RTL" and NO_WAY not in words(sea)
+    assert place(sea) == pytest.approx((0, 0), abs=0.1)
 
 
 def test_a_boat_in_rtl_finds_a_way_round_a_fence_enabled_later() -> None:

@@ -367,6 +367,9 @@ convert::GlobalPoint MissionService::return_place(const convert::Position& here,
                                                   const PlanDefaults& defaults,
                                                   const std::optional<float>& fence_m) const {
   const convert::Position at_home{0, 0, {home.latitude, home.longitude, 0, 0}};
+  const auto leads_to = [&](const convert::GlobalPoint& place) {
+    return fence_.refusal_of(here, place, defaults.margin_m).empty();
+  };
   convert::GlobalPoint best = home;
   double nearest_m = 0;
   bool found = false, straight = false;
@@ -377,14 +380,16 @@ convert::GlobalPoint MissionService::return_place(const convert::Position& here,
     if (fence_m && convert::distance_m(at_home, there) > double{*fence_m}) continue;
     const double away_m = convert::distance_m(here, there);
     if (away_m > double{kErrandReach_m}) continue;
-    const bool leads = fence_.refusal_of(here, place, defaults.margin_m).empty();
+    const bool leads = leads_to(place);
     if (found && (straight != leads ? straight : nearest_m <= away_m)) continue;
     best = place;
     nearest_m = away_m;
     straight = leads;
     found = true;
   }
-  return best;
+  if (!found || straight || convert::distance_m(here, at_home) > double{kErrandReach_m})
+    return best;
+  return leads_to(home) ? home : best;
 }
 
 }  // namespace flotilla::app

@@ -85,6 +85,8 @@ TEST_CASE(
   CHECK(same(kept.back_from(40, 0), point(0, 30)));
   kept.store(Stored::kFence, {item(mav::kFenceCircleInclusion, -100, -100, 20)});
   CHECK(same(kept.back_from(0, 0), point(1000, 1000)));
+  kept.store(Stored::kFence, {item(mav::kFenceCircleExclusion, 500, 500, 400)});
+  CHECK(same(kept.back_from(950, 950), point(1000, 1000)));  // straight, unlike the rally points
 }
 
 TEST_CASE(
