@@ -136,6 +136,34 @@ def test_rtl_sails_the_shortest_way_that_keeps_the_margin(name: str) -> None:
     assert 0.95 * least < length < 1.15 * least + 4.0, (length, least)
 
 
+def test_rtl_keeps_the_margin_from_a_rock_beside_the_straight_way() -> None:
+    """In a current, a boat that grazed the rock would drift on to it."""
+    rock: Points = [(8, 0.05), (22, 0.05), (22, 8), (8, 8)]
+    sea = away((30, 0))
+    assert send(sea, FENCE, corners(KEEP_OUT, rock)) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    track = []
+    for _ in range(500):
+        sea.hull.current = (0.0, 0.3 * (place(sea)[0] < 21))
+        sea.run(0.2)
+        track.append(place(sea))
+    assert "straight path nears the fence: going round it" in words(sea)
+    assert clearance(np.asarray(track), [rock], []).min() > 0.4
+    assert sea.state == "RTL" and track[-1] == pytest.approx((0, 0), abs=0.3)
+
+
+def test_rtl_sails_straight_through_a_gap_narrower_than_the_margin() -> None:
+    zones: list[Points] = [[(10, 1), (14, 1), (14, 30), (10, 30)]]
+    zones.append([(n, -e) for n, e in zones[0]])
+    sea = away((24, 0))
+    shore: Points = [(-9, -28), (-9, 28), (33, 28), (33, -28)]
+    assert send(sea, FENCE, items(zones, [shore])) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.run(90.0)
+    assert "no way round: straight path nears the fence" in words(sea) and sea.state == "RTL"
+    assert place(sea) == pytest.approx((0, 0), abs=0.3)
+
+
 def test_without_a_way_back_the_boat_waits_and_reports_it() -> None:
     sea = away((20, 0))
     ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The errand of GUIDED, LOITER or RTL. If the straight way leaves the fence, the boat waits while
-// it searches for a way round, and then sails that.
+// The errand of GUIDED, LOITER or RTL. If the straight way leaves the fence or comes too near to
+// it, the boat waits while it searches for a way round, and then sails that.
 #pragma once
 
 #include <string_view>

@@ -44,6 +44,13 @@ class Fence {
   /// where the boat may not be. Call only while a fence is stored.
   Length clearance(const Place& place) const;
   Length clearance(const Place& a, const Place& b) const;
+  /// How far a way between two places keeps from every boundary: margin_m, or as far as one of them
+  /// if that is nearer.
+  Length kept(const Place& a, const Place& b, float margin_m) const;
+  /// Whether the boat may return straight from `here` to `target`, on a way that keeps so far.
+  /// Outside the fence, any way may lead back.
+  bool is_straight(const convert::Position& here, const convert::GlobalPoint& target,
+                   float margin_m) const;
   /// Whether the fence permits places beyond the map.
   bool permits_far() const;
 

@@ -25,8 +25,7 @@ void WayRound::begin(const Fence& fence, const convert::Position& here, const Ta
   const auto to = fence.on_map(goal.place), from = fence.on_map(here);
   if (!to || !from) return;
   margin_m_ = margin_m;
-  keep_ = core::min(convert::scalar<Q16>(margin_m),
-                    core::min(fence.clearance(*to), fence.clearance(*from)));
+  keep_ = fence.kept(*to, *from, margin_m);
   if (!(Q16(0) < keep_)) return;
   goal_ = goal;
   nodes_[kGoal] = {*to, Q16(0), kGoal, true, false};
@@ -35,6 +34,11 @@ void WayRound::begin(const Fence& fence, const convert::Position& here, const Ta
   at_ = 0;
   drawn_ = fence.drawn();
   phase_ = Phase::kCollect;
+}
+
+bool WayRound::straight_is_free(const Fence& fence) const {
+  return fence.drawn() == drawn_ &&
+         Q16(0) < fence.clearance(nodes_[kBoat].place, nodes_[kGoal].place);
 }
 
 /// Distance of a bend from the fence, so that the rounded bend keeps the margin.

@@ -31,6 +31,10 @@ class WayRound {
   void forward(const Fence& fence);
   bool is_searching() const { return phase_ == Phase::kCollect || phase_ == Phase::kSearch; }
   bool found() const { return phase_ == Phase::kFound; }
+  const Target& goal() const { return goal_; }
+
+  /// Whether the straight way to the goal keeps within the fence, however near to it.
+  bool straight_is_free(const Fence& fence) const;
 
   /// If found: the errand that leads there.
   Errand errand(const Fence& fence) const;

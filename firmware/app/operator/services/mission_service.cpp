@@ -368,7 +368,7 @@ convert::GlobalPoint MissionService::return_place(const convert::Position& here,
                                                   const std::optional<float>& fence_m) const {
   const convert::Position at_home{0, 0, {home.latitude, home.longitude, 0, 0}};
   const auto leads_to = [&](const convert::GlobalPoint& place) {
-    return fence_.refusal_of(here, place, defaults.margin_m).empty();
+    return fence_.is_straight(here, place, defaults.margin_m);
   };
   convert::GlobalPoint best = home;
   double nearest_m = 0;
