@@ -56,6 +56,7 @@ void Alone<S>::start_errand(const Now& now) {
   const std::optional<Target> asked = vehicle_.orders().take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
+  lost_s_ = 0;
   asked_ = now.state == core::State::kGuided && asked;
   if (now.state == core::State::kReturn) return sail_back(here);
   errands_.sail_to(asked_ ? *asked : here);
@@ -89,18 +90,39 @@ void Alone<S>::sail_errand() {
   pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
-/// Continues the search for a way round the forbidden zones. Checks the present leg once a second,
-/// because the boat may be pushed aside.
+/// Continues the search for a way round the forbidden zones; in RTL, begins it again every 10 s
+/// and when the fence has changed. Checks the present leg once a second, because the boat may be
+/// pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
+  constexpr std::uint8_t kAgain_s = 10;
   const Fence& fence = vehicle_.missions().fence();
+  const bool returns = now.state == core::State::kReturn;
+  if (returns && errands_.is_outdated(fence)) return look_again();
   const bool found = errands_.look_for_way(fence);
   tell_way();
   if (found) sail_errand();
-  if (!fence.is_on() || !leg_due_.take_if_due(now.now_us) || leg_keeps_fence()) return;
+  if (!leg_due_.take_if_due(now.now_us)) return;
+  if (returns && errands_.is_lost() && lost_s_++ == kAgain_s) return look_again();
+  if (!fence.is_on() || leg_keeps_fence()) return;
   const Target here{convert::global_of(pilot_.place())};
-  if (now.state == core::State::kReturn) return sail_back(here);
+  if (returns) return sail_back(here);
   sail_round(asked_ ? errands_.goal() : here, here);
+}
+
+/// In RTL, while the boat waits: looks for a way back again.
+template <class S>
+void Alone<S>::look_again() {
+  const auto home = this->home();
+  if (!home) return;
+  const convert::Position here = pilot_.place();
+  const Target goal{return_place(here, *home)};
+  const Fence& fence = vehicle_.missions().fence();
+  if (errands_.look_again(fence, here, goal, configuration().plan.margin_m)) {
+    lost_s_ = 0;
+    sail_errand();
+  }
+  tell_way();
 }
 
 /// Whether the straight ways from the boat to the vessel that sails the errand, and to that
@@ -126,7 +148,9 @@ bool Alone<S>::is_free(const convert::GlobalPoint& ahead) const {
 template <class S>
 void Alone<S>::tell_way() {
   const std::string_view news = errands_.take_news();
-  if (!news.empty()) warnings_.warn(news);
+  const bool lost = errands_.is_lost();
+  if (!news.empty() && !(lost && lost_s_ > 0)) warnings_.warn(news);
+  if (!news.empty()) lost_s_ = lost ? 1 : 0;
 }
 
 template <class S>

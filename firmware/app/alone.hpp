@@ -61,6 +61,7 @@ class Alone {
   void sail_round(const Target& target, const Target& meanwhile);
   void sail_errand();
   void keep_fence(const Now& now);
+  void look_again();
   bool leg_keeps_fence() const;
   bool is_free(const convert::GlobalPoint& ahead) const;
   void tell_way();
@@ -81,6 +82,7 @@ class Alone {
   Errands errands_;                       // of GUIDED, LOITER, RTL
   bool driven_ = false;                   // by velocities, in GUIDED
   bool asked_ = false;                    // errands_ lead to a target that was asked for
+  std::uint8_t lost_s_ = 0;               // since no way was found; 0: the operator was not told
   VoyagePilot<S> voyage_;                 // of AUTO
   std::optional<std::uint16_t> reached_;  // item of the plan
   Schedule way_due_{100'000};

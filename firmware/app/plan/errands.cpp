@@ -15,11 +15,19 @@ void Errands::sail_to(const Target& target) {
 
 void Errands::sail_round(const Fence& fence, const convert::Position& here, const Target& target,
                          const Target& meanwhile, float margin_m) {
+  if (!look_again(fence, here, target, margin_m)) errand_.sail_to(meanwhile);
+}
+
+bool Errands::look_again(const Fence& fence, const convert::Position& here, const Target& target,
+                         float margin_m) {
   const bool straight = fence.is_straight(here, target.place, margin_m);
-  sail_to(straight ? target : meanwhile);
-  if (straight) return;
-  way_round_.begin(fence, here, target, margin_m);
-  if (!way_round_.is_searching()) news_ = kNoWay;
+  if (straight) {
+    sail_to(target);
+  } else {
+    way_round_.begin(fence, here, target, margin_m);
+    if (is_lost()) news_ = kNoWay;
+  }
+  return straight;
 }
 
 bool Errands::leads_to(const Target& target) const {

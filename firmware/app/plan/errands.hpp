@@ -20,6 +20,15 @@ class Errands {
   void sail_round(const Fence& fence, const convert::Position& here, const Target& target,
                   const Target& meanwhile, float margin_m);
 
+  /// Sails to the target and returns true if the way is straight; otherwise leaves plan() as it is
+  /// and searches for a way round.
+  bool look_again(const Fence& fence, const convert::Position& here, const Target& target,
+                  float margin_m);
+  /// No way was found, and the boat waits.
+  bool is_lost() const { return way_round_.is_lost(); }
+  /// The fence has changed since the boat began to wait for a way.
+  bool is_outdated(const Fence& fence) const { return way_round_.is_outdated(fence); }
+
   /// Call once a tick: continues the search for a way round. True if plan() has changed.
   [[nodiscard]] bool look_for_way(const Fence& fence);
 

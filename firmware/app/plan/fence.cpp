@@ -129,8 +129,13 @@ bool Fence::is_straight(const convert::Position& here, const convert::GlobalPoin
                         float margin_m) const {
   if (!is_on()) return true;
   const auto from = on_map(here), to = on_map(target);
-  if (!from || !to) return false;
-  if (!(Q16(0) < clearance(*from))) return true;
+  if (!from) return true;  // no zone is near; once on the map, the boat judges its leg again
+  const Length now = clearance(*from);
+  if (!(Q16(0) < now)) return true;
+  if (!to) {
+    const convert::Position there{0, 0, {target.latitude, target.longitude, 0, 0}};
+    return convert::distance_m(here, there) < convert::number(now);
+  }
   const Length way = clearance(*from, *to);
   return Q16(0) < way && !(way + kFenceRounding < kept(*from, *to, margin_m));
 }

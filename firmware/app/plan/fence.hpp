@@ -30,10 +30,13 @@ class Fence {
   void locate(const link::GpsGlobalOrigin& origin);
 
   /// A fence that is switched off permits everything.
-  void enable(bool on) { on_ = on; }
+  void enable(bool on) {
+    if (on != on_) ++drawn_;
+    on_ = on;
+  }
   bool is_stored() const { return !items_.empty(); }
   bool is_on() const { return on_ && is_stored(); }
-  /// The number of maps drawn so far.
+  /// Changes with the map, and when the fence is switched on or off.
   std::uint32_t drawn() const { return drawn_; }
 
   /// Nothing beyond 4 km from the first item.

@@ -321,6 +321,7 @@ void MissionService::sailed(std::size_t item, bool complete) {
 bool MissionService::enable_fence(bool on) {
   if (!fence_.is_stored()) return false;
   fence_.enable(on);
+  checked_map_ = fence_.drawn();
   judge_anew();
   return true;
 }
