@@ -47,6 +47,7 @@ void Alone<S>::start_plan() {
                      .home = home()},
                     configuration().plan);
   reached_.reset();
+  pilot_.reports().begin_plan();
   warnings_.forget_waiting();
 }
 

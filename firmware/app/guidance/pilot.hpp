@@ -115,7 +115,7 @@ class Pilot {
   S yaw_rate() const { return own_.motion().nu.r; }
 
   /// The reports of the tree's other boats.
-  const FleetReports& reports() const { return reports_; }
+  FleetReports& reports() { return reports_; }
 
   /// Other claims to the own slot.
   const SlotClaims& claims() const { return claims_; }
