@@ -13,7 +13,7 @@ from tests.target.plans import at
 from tests.target.sea import acks, texts
 from tests.target.stations import ACCEPTED, BOAT, GCS, HOLD, Station
 from tests.target.test_auto import AUTO, at_sea, place
-from tests.target.test_going_and_waiting import GUIDED, REPOSITION, reposition
+from tests.target.test_going_and_waiting import GUIDED, PAUSE, REPOSITION, reposition
 
 IGNORED = 64 | 128 | 256 | 1024  # accelerations, yaw
 PLACE, VELOCITY, YAW_RATE = 1 | 2 | 4, 8 | 16 | 32, 2048
@@ -74,6 +74,16 @@ def test_a_place_that_a_script_repeats_is_sailed_to_as_one_sent_once() -> None:
     sea.say(local(NED, place_m=(0.0, 3.0)))
     sea.run(50.0)
     assert place(sea) == pytest.approx((0, 3), abs=0.05)
+
+
+def test_a_paused_boat_does_not_turn_to_a_scripts_course() -> None:
+    sea = waiting()
+    for k in range(150):
+        if k == 50:
+            sea.order(PAUSE, 0.0)
+        sea.say(local(NED, velocity_mps=(0.5 if k < 50 else -0.5, 0.0)))
+        sea.run(0.2)
+    assert abs(sea.hull.q[2]) < 0.05 and abs(sea.hull.seen.u) < 0.01
 
 
 @pytest.mark.parametrize("scalar", ["float", "q16"])
