@@ -86,6 +86,19 @@ def test_a_paused_boat_does_not_turn_to_a_scripts_course() -> None:
     assert abs(sea.hull.q[2]) < 0.05 and abs(sea.hull.seen.u) < 0.01
 
 
+def test_an_operators_earlier_target_ends_a_pause_after_a_scripts_target() -> None:
+    sea = waiting()
+    reposition(sea, at(10, 0))
+    sea.run(5.0)
+    sea.say(local(NED, place_m=(0.0, 10.0)))
+    sea.run(5.0)
+    sea.order(PAUSE, 0.0)
+    sea.run(5.0)
+    assert acks(reposition(sea, at(10, 0))) == [(REPOSITION, ACCEPTED)]
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((10, 0), abs=0.05)
+
+
 @pytest.mark.parametrize("scalar", ["float", "q16"])
 def test_an_impossible_yaw_rate_is_limited_to_that_of_the_boat(scalar: str) -> None:
     sea = at_sea([], scalar=scalar)
