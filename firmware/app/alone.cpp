@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/alone.hpp"
 
+#include <algorithm>
 #include <tuple>
 
 #include "app/convert/convert_scalar.hpp"
@@ -154,12 +155,25 @@ void Alone<S>::tell_way() {
   if (!news.empty()) lost_s_ = lost ? 1 : 0;
 }
 
+/// On the way to the target. 0: WP_SPEED
+template <class S>
+void Alone<S>::change_speed(float speed_mps) {
+  const PlanDefaults& plan = configuration().plan;
+  const float asked_mps = speed_mps > 0 ? speed_mps : plan.speed_mps;
+  const float most_mps = plan.fastest_mps > 0 ? plan.fastest_mps : asked_mps;
+  errands_.set_speed(speed_mps);
+  pilot_.set_speed(convert::scalar<S>(std::min(asked_mps, most_mps)));
+}
+
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
   const auto drive = vehicle_.orders().drive(now.now_us);
   const std::optional<Target>& target = vehicle_.orders().target();
   // A repeated target must not restart the vessel that the boat follows.
-  if (target && !driven_ && errands_.leads_to(*target)) vehicle_.orders().take_target();
+  if (target && !driven_ && errands_.leads_to(target->place)) {
+    asked_ = true;
+    change_speed(vehicle_.orders().take_target()->speed_mps);
+  }
   if (target || (driven_ && !drive)) start_errand(now);
   driven_ = drive.has_value();
   if (!drive) keep_fence(now);

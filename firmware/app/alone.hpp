@@ -65,6 +65,7 @@ class Alone {
   bool leg_keeps_fence() const;
   bool is_free(const convert::GlobalPoint& ahead) const;
   void tell_way();
+  void change_speed(float speed_mps);
   core::ControllerOutput<S> sail_guided(const Now& now, S dt);
   core::ControllerOutput<S> sail_plan(const Now& now, S dt);
   core::ControllerOutput<S> sail_items(const Now& now, S dt);

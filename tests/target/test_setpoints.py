@@ -99,6 +99,18 @@ def test_an_operators_earlier_target_ends_a_pause_after_a_scripts_target() -> No
     assert place(sea) == pytest.approx((10, 0), abs=0.05)
 
 
+def test_the_same_place_with_another_speed_changes_the_speed_alone() -> None:
+    sea = waiting()
+    for k in range(500):
+        sea.say(local(NED, place_m=(5.0, 3.0), velocity_mps=(0.5 + 0.01 * (k % 2), 0.0)))
+        sea.run(0.1)
+    assert place(sea) == pytest.approx((5, 3), abs=0.05)
+    for speed_mps in (0.6, 0.3):
+        sea.say(local(NED, place_m=(5.0, 33.0), velocity_mps=(speed_mps, 0.0)))
+        sea.run(20.0)
+        assert sea.hull.seen.u == pytest.approx(speed_mps, abs=0.01)
+
+
 @pytest.mark.parametrize("scalar", ["float", "q16"])
 def test_an_impossible_yaw_rate_is_limited_to_that_of_the_boat(scalar: str) -> None:
     sea = at_sea([], scalar=scalar)

@@ -30,12 +30,6 @@ bool Errands::look_again(const Fence& fence, const convert::Position& here, cons
   return straight;
 }
 
-bool Errands::leads_to(const Target& target) const {
-  const auto& [place, speed_mps] = goal();
-  return place.latitude == target.place.latitude && place.longitude == target.place.longitude &&
-         speed_mps == target.speed_mps;
-}
-
 bool Errands::look_for_way(const Fence& fence) {
   if (!way_round_.is_searching()) return false;
   way_round_.forward(fence);

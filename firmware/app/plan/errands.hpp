@@ -35,8 +35,9 @@ class Errands {
   Plan plan() const { return errand_.plan(); }
   /// The end of plan().
   Target goal() const { return errand_.target(); }
-  /// False while the boat waits for a way round to the target.
-  bool leads_to(const Target& target) const;
+  /// False while the boat waits for a way round to that place.
+  bool leads_to(const convert::GlobalPoint& place) const { return goal().place == place; }
+  void set_speed(float mps) { errand_.set_speed(mps); }
 
   /// A sentence about the search for the operator, once; empty: none.
   std::string_view take_news() { return std::exchange(news_, {}); }
