@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/alone.hpp"
 
+#include <algorithm>
 #include <tuple>
 
 #include "app/convert/convert_scalar.hpp"
@@ -47,6 +48,7 @@ void Alone<S>::start_plan() {
                      .home = home()},
                     configuration().plan);
   reached_.reset();
+  pilot_.reports().begin_plan();
   warnings_.forget_waiting();
 }
 
@@ -56,8 +58,10 @@ void Alone<S>::start_errand(const Now& now) {
   const std::optional<Target> asked = vehicle_.orders().take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
+  lost_s_ = 0;
+  asked_ = now.state == core::State::kGuided && asked;
   if (now.state == core::State::kReturn) return sail_back(here);
-  errands_.sail_to(now.state == core::State::kGuided && asked ? *asked : here);
+  errands_.sail_to(asked_ ? *asked : here);
   sail_errand();
 }
 
@@ -65,8 +69,14 @@ template <class S>
 void Alone<S>::sail_back(const Target& meanwhile) {
   const auto home = this->home();
   if (!home) return sail_round(meanwhile, meanwhile);
-  sail_round({vehicle_.missions().return_place(pilot_.place(), *home, configuration().plan)},
-             meanwhile);
+  sail_round({return_place(pilot_.place(), *home)}, meanwhile);
+}
+
+template <class S>
+convert::GlobalPoint Alone<S>::return_place(const convert::Position& here,
+                                            const convert::GlobalPoint& home) const {
+  const auto& [plan, failsafes] = std::tie(configuration().plan, configuration().failsafes);
+  return vehicle_.missions().return_place(here, home, plan, failsafes.fence_m);
 }
 
 template <class S>
@@ -82,18 +92,39 @@ void Alone<S>::sail_errand() {
   pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
-/// Continues the search for a way round the forbidden zones. Checks the present leg once a second,
-/// because the boat may be pushed aside.
+/// Continues the search for a way round the forbidden zones; in RTL, begins it again every 10 s
+/// and when the fence has changed. Checks the present leg once a second, because the boat may be
+/// pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
+  constexpr std::uint8_t kAgain_s = 10;
   const Fence& fence = vehicle_.missions().fence();
+  const bool returns = now.state == core::State::kReturn;
+  if (returns && errands_.is_outdated(fence)) return look_again();
   const bool found = errands_.look_for_way(fence);
   tell_way();
   if (found) sail_errand();
-  if (!fence.is_on() || !leg_due_.take_if_due(now.now_us) || leg_keeps_fence()) return;
+  if (!leg_due_.take_if_due(now.now_us)) return;
+  if (returns && errands_.is_lost() && lost_s_++ == kAgain_s) return look_again();
+  if (!fence.is_on() || leg_keeps_fence()) return;
   const Target here{convert::global_of(pilot_.place())};
-  if (now.state == core::State::kReturn) return sail_back(here);
-  sail_round(now.state == core::State::kLoiter ? here : errands_.goal(), here);
+  if (returns) return sail_back(here);
+  sail_round(asked_ ? errands_.goal() : here, here);
+}
+
+/// In RTL, while the boat waits: looks for a way back again.
+template <class S>
+void Alone<S>::look_again() {
+  const auto home = this->home();
+  if (!home) return;
+  const convert::Position here = pilot_.place();
+  const Target goal{return_place(here, *home)};
+  const Fence& fence = vehicle_.missions().fence();
+  if (errands_.look_again(fence, here, goal, configuration().plan.margin_m)) {
+    lost_s_ = 0;
+    sail_errand();
+  }
+  tell_way();
 }
 
 /// Whether the straight ways from the boat to the vessel that sails the errand, and to that
@@ -119,7 +150,19 @@ bool Alone<S>::is_free(const convert::GlobalPoint& ahead) const {
 template <class S>
 void Alone<S>::tell_way() {
   const std::string_view news = errands_.take_news();
-  if (!news.empty()) warnings_.warn(news);
+  const bool lost = errands_.is_lost();
+  if (!news.empty() && !(lost && lost_s_ > 0)) warnings_.warn(news);
+  if (!news.empty()) lost_s_ = lost ? 1 : 0;
+}
+
+/// On the way to the target. 0: WP_SPEED
+template <class S>
+void Alone<S>::change_speed(float speed_mps) {
+  const PlanDefaults& plan = configuration().plan;
+  const float asked_mps = speed_mps > 0 ? speed_mps : plan.speed_mps;
+  const float most_mps = plan.fastest_mps > 0 ? plan.fastest_mps : asked_mps;
+  errands_.set_speed(speed_mps);
+  pilot_.set_speed(convert::scalar<S>(std::min(asked_mps, most_mps)));
 }
 
 template <class S>
@@ -127,7 +170,10 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
   const auto drive = vehicle_.orders().drive(now.now_us);
   const std::optional<Target>& target = vehicle_.orders().target();
   // A repeated target must not restart the vessel that the boat follows.
-  if (target && !driven_ && errands_.leads_to(*target)) vehicle_.orders().take_target();
+  if (target && !driven_ && errands_.leads_to(target->place)) {
+    asked_ = true;
+    change_speed(vehicle_.orders().take_target()->speed_mps);
+  }
   if (target || (driven_ && !drive)) start_errand(now);
   driven_ = drive.has_value();
   if (!drive) keep_fence(now);
@@ -205,7 +251,7 @@ void Alone<S>::look_for_rally(const convert::Position& here, std::int64_t now_us
   const auto home = this->home();
   if (limits_.home_near() || !home) rally_near_ = false;
   if (limits_.home_near() || !home || !rally_due_.take_if_due(now_us)) return;
-  const auto goal = vehicle_.missions().return_place(here, *home, configuration().plan);
+  const auto goal = return_place(here, *home);
   rally_near_ = convert::distance_m(here, {0, 0, {goal.latitude, goal.longitude, 0, 0}}) <
                 double{kErrandReach_m};
 }

@@ -56,12 +56,16 @@ class Alone {
   void start_plan();
   void start_errand(const Now& now);
   void sail_back(const Target& meanwhile);
+  convert::GlobalPoint return_place(const convert::Position& here,
+                                    const convert::GlobalPoint& home) const;
   void sail_round(const Target& target, const Target& meanwhile);
   void sail_errand();
   void keep_fence(const Now& now);
+  void look_again();
   bool leg_keeps_fence() const;
   bool is_free(const convert::GlobalPoint& ahead) const;
   void tell_way();
+  void change_speed(float speed_mps);
   core::ControllerOutput<S> sail_guided(const Now& now, S dt);
   core::ControllerOutput<S> sail_plan(const Now& now, S dt);
   core::ControllerOutput<S> sail_items(const Now& now, S dt);
@@ -78,6 +82,8 @@ class Alone {
 
   Errands errands_;                       // of GUIDED, LOITER, RTL
   bool driven_ = false;                   // by velocities, in GUIDED
+  bool asked_ = false;                    // errands_ lead to a target that was asked for
+  std::uint8_t lost_s_ = 0;               // since no way was found; 0: the operator was not told
   VoyagePilot<S> voyage_;                 // of AUTO
   std::optional<std::uint16_t> reached_;  // item of the plan
   Schedule way_due_{100'000};

@@ -200,14 +200,14 @@ S towards(S from, S to, S most) {
   return clamp(to, from - most, from + most);
 }
 
-/// h seconds of a turn on the spot, at waypoint `next`.
+/// h seconds of a turn on the spot, at waypoint `next`; at pace 0 the vessel stops turning.
 template <class S>
-void turn(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state, S h) {
+void turn(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state, S pace, S h) {
   Motion<S>& motion = state.motion;
   const S before = motion.nu.r, dr = params.yaw_accel * h;
   const S off = wrap_pi(leg(points, state.next + 1).course - motion.psi);
   const S most = min(params.yaw_rate, sqrt(S(1.8) * params.yaw_accel * abs(off)));
-  motion.nu.r = towards(before, off < S(0) ? -most : most, dr);
+  motion.nu.r = towards(before, pace <= S(0) ? S(0) : off < S(0) ? -most : most, dr);
   const S step = S(0.5) * (before + motion.nu.r) * h;
   motion.psi = wrap_pi(motion.psi + step);
   if (S(0.01) < abs(off) || S(2) * dr < abs(before)) return;
@@ -270,6 +270,7 @@ RouteState<S> route_start(const RouteParams<S>& params, Waypoints<S> points) {
 }
 
 /// Advances by h seconds. pace: share of the legs' speeds, 0 … 1; below 1, lagging boats catch up.
+/// At 0 the vessel also stops turning, and no wait runs out.
 template <class S>
 void route_forward(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state, S pace,
                    S h) {
@@ -280,12 +281,13 @@ void route_forward(const RouteParams<S>& params, Waypoints<S> points, RouteState
     case kArrived:
       break;
     case kWait:
+      if (pace <= S(0)) break;
       state.left = state.left - h;
       if (S(0) < state.left) break;
       state.phase = state.next + 1 < points.size() ? kTurn : kArrived;
       break;
     case kTurn:
-      route::turn(params, points, state, h);
+      route::turn(params, points, state, pace, h);
       break;
     case kLeg:
     case kCorner:

@@ -211,5 +211,32 @@ TEST_CASE("at pace 0 the vessel stops, at pace 1 it sails on") {
   CHECK(state.motion.nu.u == 0);
 }
 
+TEST_CASE_TEMPLATE("at pace 0 no wait runs out and the vessel does not turn", S, float, double,
+                   Q16) {
+  const RouteParams<S> params;
+  const auto route = waypoints<S>({{{0, 0}}, {{2, 0}, 0.5, 1, 5}, {{0, 0}, 0.5}});
+  const auto sail = [&](RouteState<S>& state, S pace, int seconds) {
+    for (int k = 0; k < 10 * seconds; ++k) {
+      route_forward<S>(params, route, state, pace, in_scalar<S>(0.1));
+    }
+  };
+  auto state = route_start<S>(params, route);
+  while (state.phase != RoutePhase::kWait) sail(state, S(1), 1);
+  const S left = state.left;
+  sail(state, S(0), 20);
+  CHECK(state.phase == RoutePhase::kWait);
+  CHECK(state.left == left);
+  while (state.phase != RoutePhase::kTurn) sail(state, S(1), 1);
+  sail(state, S(1), 1);
+  sail(state, S(0), 5);
+  CHECK(state.motion.nu.r == S(0));
+  const S psi = state.motion.psi;
+  sail(state, S(0), 20);
+  CHECK(state.phase == RoutePhase::kTurn);
+  CHECK(state.motion.psi == psi);
+  sail(state, S(1), 30);
+  CHECK(state.phase == RoutePhase::kArrived);
+}
+
 }  // namespace
 }  // namespace flotilla::core

@@ -228,7 +228,7 @@ class Senders {
         int{in_.byte()}, -int{in_.byte()}, {kLatitude, kLongitude, 0, 0}};
     const Guard guard;
     boat_.service.check_way(here, kDefaults);
-    boat_.service.return_place(here, {kLatitude, kLongitude}, kDefaults);
+    boat_.service.return_place(here, {kLatitude, kLongitude}, kDefaults, 100.0F);
     boat_.service.sailed(boat_.service.current(), false);
   }
 

@@ -239,6 +239,24 @@ def test_pause_stops_the_boat_and_continue_sails_on() -> None:
     assert place(sea) == pytest.approx((10, 10), abs=0.05)
 
 
+def test_a_pause_stops_a_wait_and_the_turn_after_it() -> None:
+    sea = sailing([at(5, 0, hold_s=20.0), at(5, -10)])
+    sea.run(25.0)
+    assert place(sea) == pytest.approx((5, 0), abs=0.05)
+    for turned in (False, True):  # in the wait, and in the turn
+        sea.order(PAUSE, 0.0)
+        sea.run(5.0)
+        heading = sea.hull.q[2]
+        sea.run(30.0)
+        assert progress(sea) == (0 if not turned else 1, 2, PAUSED)
+        assert sea.hull.q[2] == pytest.approx(heading, abs=0.02)
+        sea.order(PAUSE, 1.0)
+        while not turned and sea.hull.q[2] > -0.5:
+            sea.run(0.5)
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((5, -10), abs=0.1)
+
+
 @pytest.mark.parametrize("order", [(MISSION_START, 0.0), (SET_CURRENT, 0.0)])
 def test_an_order_to_go_on_ends_a_pause(order: tuple[int, float]) -> None:
     sea = sailing([at(20, 0)])

@@ -302,6 +302,21 @@ def test_a_target_behind_a_fence_is_refused_and_rtl_goes_round_it() -> None:
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
 
 
+@pytest.mark.parametrize("gap_m", [7.0, 9.0])
+def test_guided_without_a_target_stops_before_a_wall_and_does_not_go_round_it(gap_m: float) -> None:
+    """Braking straight ahead, the boat would come to rest behind the thin wall."""
+    sea = fenced([], corners(KEEP_OUT, [(40, -30), (40, 30), (41, 30), (41, -30)]))
+    sea.say(sticks(0, 0))
+    sea.mode(MANUAL)
+    while place(sea)[0] < 40 - gap_m:
+        sea.say(sticks(130, 0))
+        sea.run(0.1)
+    assert acks(sea.mode(15)) == [(SET_MODE, ACCEPTED)]
+    sea.run(30.0)
+    assert sea.state == "GUIDED" and not any("going round" in text for text in words(sea))
+    assert place(sea) == pytest.approx((40 - gap_m, 0), abs=0.5)
+
+
 def test_a_boat_under_way_refuses_an_item_if_the_way_to_it_leaves_the_fence() -> None:
     plan = [at(10, 0), at(10, 20), at(-10, 20)]
     sea = fenced(plan, corners(KEEP_OUT, [(-5, 5), (-5, 15), (5, 15), (5, 5)]))

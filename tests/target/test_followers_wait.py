@@ -17,14 +17,14 @@ WAIT_S = 5.0
 FOLLOWED = 1
 
 
-def reference(now_us: int, flags: int) -> Any:
+def reference(now_us: int, flags: int, maker: int = STRANGER) -> Any:
     """FORMATION_REFERENCE of a boat that follows."""
     kind = dialect().MAVLink_formation_reference_message
     fields = dict.fromkeys(kind.fieldnames, 0)
     fields |= {"time_boot_ms": now_us // 1000, "sequence": now_us // 200_000 % 2**16}
     fields |= {"latitude": ORIGIN[0], "longitude": ORIGIN[1], "offset_ahead": -4096}
     path = [BOAT] + [0] * 23
-    return kind(**(fields | {"root": BOAT, "maker": STRANGER, "flags": flags, "path": path}))
+    return kind(**(fields | {"root": BOAT, "maker": maker, "flags": flags, "path": path}))
 
 
 def sailed_m(period_s: int | None, leaves: bool = False, seconds: int = 60) -> float:
@@ -50,3 +50,19 @@ def test_a_follower_that_falls_out_of_its_slot_again_and_again_does_not_stop_the
     leaves: bool,
 ) -> None:
     assert sailed_m(4, leaves) > 0.5 * sailed_m(None)
+
+
+def test_two_followers_that_are_late_in_turn_do_not_stop_the_plan() -> None:
+    sea = sailing([at(0, 0), at(100, 0)], {"WP_WAIT_S": 10.0, "FS_SEP_M": 0.0})
+    followers = [Station(STRANGER), Station(STRANGER + 1)]
+    for second in range(80):
+        for _ in range(5):
+            for follower in followers:
+                said = reference(sea.now_us, FOLLOWED, follower.system)
+                sea.say(said, sender=follower)
+            sea.run(0.2)
+        for turn, follower in enumerate(followers):
+            value = float(second < 5 or second // 5 % 2 != turn)
+            told = mavlink.MAVLink_named_value_float_message(0, b"IN_SLOT", value)
+            sea.say(told, sender=follower)
+    assert place(sea)[0] > 25

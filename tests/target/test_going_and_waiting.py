@@ -388,6 +388,15 @@ def test_a_rally_point_out_of_reach_does_not_keep_a_boat_from_home() -> None:
     assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.1)
 
 
+def test_a_rally_point_beyond_the_circle_round_home_is_not_returned_to() -> None:
+    sea = sailing([at(30, 0)], {"FS_FENCE_M": 20.0, "FS_FENCE_ACT": 2})
+    sea.mode(HOLD)
+    assert Planner(sea, kind=RALLY).send([rally(45, 0)]) == ITEM_ACCEPTED
+    sea.mode(AUTO)
+    sea.run(110.0)
+    assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.1)
+
+
 def towed(north_m: float, rally_m: float) -> Afloat:
     """A boat in HOLD that was towed away from home, with a rally point."""
     sea = at_sea([])

@@ -13,7 +13,7 @@ from tests.target.plans import at
 from tests.target.sea import acks, texts
 from tests.target.stations import ACCEPTED, BOAT, GCS, HOLD, Station
 from tests.target.test_auto import AUTO, at_sea, place
-from tests.target.test_going_and_waiting import GUIDED, REPOSITION, reposition
+from tests.target.test_going_and_waiting import GUIDED, PAUSE, REPOSITION, reposition
 
 IGNORED = 64 | 128 | 256 | 1024  # accelerations, yaw
 PLACE, VELOCITY, YAW_RATE = 1 | 2 | 4, 8 | 16 | 32, 2048
@@ -74,6 +74,41 @@ def test_a_place_that_a_script_repeats_is_sailed_to_as_one_sent_once() -> None:
     sea.say(local(NED, place_m=(0.0, 3.0)))
     sea.run(50.0)
     assert place(sea) == pytest.approx((0, 3), abs=0.05)
+
+
+def test_a_paused_boat_does_not_turn_to_a_scripts_course() -> None:
+    sea = waiting()
+    for k in range(150):
+        if k == 50:
+            sea.order(PAUSE, 0.0)
+        sea.say(local(NED, velocity_mps=(0.5 if k < 50 else -0.5, 0.0)))
+        sea.run(0.2)
+    assert abs(sea.hull.q[2]) < 0.05 and abs(sea.hull.seen.u) < 0.01
+
+
+def test_an_operators_earlier_target_ends_a_pause_after_a_scripts_target() -> None:
+    sea = waiting()
+    reposition(sea, at(10, 0))
+    sea.run(5.0)
+    sea.say(local(NED, place_m=(0.0, 10.0)))
+    sea.run(5.0)
+    sea.order(PAUSE, 0.0)
+    sea.run(5.0)
+    assert acks(reposition(sea, at(10, 0))) == [(REPOSITION, ACCEPTED)]
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((10, 0), abs=0.05)
+
+
+def test_the_same_place_with_another_speed_changes_the_speed_alone() -> None:
+    sea = waiting()
+    for k in range(500):
+        sea.say(local(NED, place_m=(5.0, 3.0), velocity_mps=(0.5 + 0.01 * (k % 2), 0.0)))
+        sea.run(0.1)
+    assert place(sea) == pytest.approx((5, 3), abs=0.05)
+    for speed_mps in (0.6, 0.3):
+        sea.say(local(NED, place_m=(5.0, 33.0), velocity_mps=(speed_mps, 0.0)))
+        sea.run(20.0)
+        assert sea.hull.seen.u == pytest.approx(speed_mps, abs=0.01)
 
 
 @pytest.mark.parametrize("scalar", ["float", "q16"])

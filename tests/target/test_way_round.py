@@ -13,16 +13,20 @@ from scipy.sparse.csgraph import shortest_path
 from tests.target.hull import Afloat
 from tests.target.plans import (
     CIRCLE_OUT,
+    DEGREES_E7_M,
     FENCE,
     ITEM_ACCEPTED,
     KEEP_IN,
     KEEP_OUT,
+    RALLY,
     Item,
     at,
+    box,
     circle,
     corners,
+    rally,
 )
-from tests.target.stations import BOAT, HOLD
+from tests.target.stations import BOAT, HOLD, ORIGIN, origin
 from tests.target.test_auto import at_sea, place
 from tests.target.test_fence_kept import HULL, send, words
 
@@ -134,6 +138,34 @@ def test_rtl_sails_the_shortest_way_that_keeps_the_margin(name: str) -> None:
     assert 0.95 * least < length < 1.15 * least + 4.0, (length, least)
 
 
+def test_rtl_keeps_the_margin_from_a_rock_beside_the_straight_way() -> None:
+    """In a current, a boat that grazed the rock would drift on to it."""
+    rock: Points = [(8, 0.05), (22, 0.05), (22, 8), (8, 8)]
+    sea = away((30, 0))
+    assert send(sea, FENCE, corners(KEEP_OUT, rock)) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    track = []
+    for _ in range(500):
+        sea.hull.current = (0.0, 0.3 * (place(sea)[0] < 21))
+        sea.run(0.2)
+        track.append(place(sea))
+    assert "straight path nears the fence: going round it" in words(sea)
+    assert clearance(np.asarray(track), [rock], []).min() > 0.4
+    assert sea.state == "RTL" and track[-1] == pytest.approx((0, 0), abs=0.3)
+
+
+def test_rtl_sails_straight_through_a_gap_narrower_than_the_margin() -> None:
+    zones: list[Points] = [[(10, 1), (14, 1), (14, 30), (10, 30)]]
+    zones.append([(n, -e) for n, e in zones[0]])
+    sea = away((24, 0))
+    shore: Points = [(-9, -28), (-9, 28), (33, 28), (33, -28)]
+    assert send(sea, FENCE, items(zones, [shore])) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.run(90.0)
+    assert "no way round: straight path nears the fence" in words(sea) and sea.state == "RTL"
+    assert place(sea) == pytest.approx((0, 0), abs=0.3)
+
+
 def test_without_a_way_back_the_boat_waits_and_reports_it() -> None:
     sea = away((20, 0))
     ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
@@ -145,6 +177,52 @@ def test_without_a_way_back_the_boat_waits_and_reports_it() -> None:
     assert place(sea) == pytest.approx((20, 0), abs=0.1)
 
 
+def test_rtl_without_a_way_sets_out_once_the_fence_is_switched_off() -> None:
+    sea = away((20, 0))
+    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
+    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
+    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.run(35.0)
+    assert words(sea).count(NO_WAY) == 1 and place(sea) == pytest.approx((20, 0), abs=0.1)
+    sea.order(FENCE_ENABLE, 0.0)
+    sea.run(60.0)
+    assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.1)
+
+
+@pytest.mark.parametrize("tick", [-2, 4])
+def test_rtl_finds_its_way_though_the_origin_moves_while_it_searches(tick: int) -> None:
+    north_m = 1000 * DEGREES_E7_M
+    sea = away((20, 0))
+    assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED
+    sea.own.origin_on = False
+    for now in range(-2, 6):
+        if now == 0:
+            sea.mode(RTL)
+        if now == tick:
+            moved = origin(sea.now_us, ORIGIN[0] - 1000, ORIGIN[1], ORIGIN[2])
+            sea.say(moved, sender=sea.own.station)
+            sea.hull.q[0] += north_m
+        sea.step()
+    sea.run(90.0)
+    assert sea.state == "RTL" and ROUND in words(sea)
+    assert place(sea) == pytest.approx((north_m, 0), abs=0.3)
+
+
+def test_rtl_is_straight_beyond_the_fences_map() -> None:
+    """The fence is a small zone over 4 km away."""
+    sea = at_sea([])
+    assert send(sea, FENCE, box(1990, 0, 5, KEEP_OUT)) == ITEM_ACCEPTED
+    while place(sea)[0] > -2050:
+        sea.hull.q[3] = -12.0
+        sea.step()
+    sea.run(5.0)
+    before = place(sea)[0]
+    sea.mode(RTL)
+    sea.run(30.0)
+    assert sea.state == "RTL" and place(sea)[0] > before + 8 and NO_WAY not in words(sea)
+
+
 def test_rtl_from_outside_the_fence_sails_home() -> None:
     sea = away((20, 0))
     ring = corners(KEEP_IN, [(-5, -9), (-5, 9), (15, 9), (15, -9)])
@@ -153,6 +231,18 @@ def test_rtl_from_outside_the_fence_sails_home() -> None:
     sea.run(70.0)
     assert sea.state == "RTL" and NO_WAY not in words(sea), words(sea)
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
+
+
+def test_a_boat_returns_home_if_no_way_to_a_rally_point_is_straight_but_that_one() -> None:
+    sea = away((12, 0))
+    fence = corners(KEEP_IN, [(-10, -20), (-10, 20), (40, 20), (40, -20)])
+    fence += corners(KEEP_OUT, [(20, -25), (20, 25), (22, 25), (22, -25)])
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
+    assert send(sea, RALLY, [rally(30, 0)]) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.run(60.0)
+    assert sea.state == "RTL" and NO_WAY not in words(sea)
+    assert place(sea) == pytest.approx((0, 0), abs=0.1)
 
 
 def test_a_boat_in_rtl_finds_a_way_round_a_fence_enabled_later() -> None:

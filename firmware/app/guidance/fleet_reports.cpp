@@ -36,7 +36,7 @@ std::int64_t FleetReports::Member::waited(std::int64_t now_us) const {
 
 void FleetReports::Member::note(bool is_out, std::int64_t now_us, std::int64_t most_us) {
   if (is_out == out) return;
-  waited_us = std::min(waited(now_us), most_us);
+  waited_us = static_cast<std::uint32_t>(std::min(waited(now_us), most_us));
   since_us = now_us;
   out = is_out;
 }
@@ -88,12 +88,14 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
   }
 }
 
-std::optional<std::uint8_t> FleetReports::late(std::int64_t now_us) const {
-  for (const Member& m : members_) {
-    if (m.out && now_us - m.heard_us < kMemberSilent_us && m.waited(now_us) < wait_us_)
-      return m.system;
-  }
-  return std::nullopt;
+std::optional<std::uint8_t> FleetReports::late(std::int64_t now_us) {
+  const auto late = std::ranges::find_if(members_, [&](const Member& m) {
+    return m.out && now_us - m.heard_us < kMemberSilent_us && m.waited(now_us) < wait_us_;
+  });
+  const bool any = late != members_.end();
+  fleet_.note(any, now_us, wait_us_);
+  if (!any || fleet_.waited(now_us) >= wait_us_) return std::nullopt;
+  return late->system;
 }
 
 bool FleetReports::leader_returns(std::int64_t now_us) const {

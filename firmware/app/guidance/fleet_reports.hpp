@@ -14,28 +14,31 @@ namespace flotilla::app {
 
 class FleetReports {
  public:
-  /// wait_us: the longest wait for one boat. Time that the boat then spends in its slot permits a
-  /// further wait of the same length, so that a boat that repeatedly leaves its slot cannot stop
-  /// the fleet endlessly.
+  /// wait_us: the longest wait for one boat, and for several that are late in turn. Time that the
+  /// boat then spends in its slot, or the fleet without late boats, permits a further wait of the
+  /// same length, so that boats that repeatedly leave their slots cannot stop the fleet endlessly.
   void configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us);
 
   void hear(const link::Received& received, std::int64_t now_us);
 
-  /// System id of a follower that was in its slot, reports that it is out of it, and has not used
-  /// up its wait.
-  std::optional<std::uint8_t> late(std::int64_t now_us) const;
+  /// Call on beginning a plan: no wait is used up.
+  void begin_plan() { fleet_ = {}; }
+
+  /// Call in every tick of a plan: system id of a follower that was in its slot, reports that it is
+  /// out of it, and has not used up its wait; nothing once the whole wait is used up.
+  std::optional<std::uint8_t> late(std::int64_t now_us);
 
   /// The leader reports that it is armed and in RTL, three times in a row: one report may be late.
   bool leader_returns(std::int64_t now_us) const;
 
  private:
   struct Member {
-    std::uint8_t system = 0;  ///< 0: a free entry
-    bool was_in = false;      ///< has been in its slot
-    bool out = false;         ///< out of its slot now
+    std::uint8_t system = 0;      ///< 0: a free entry
+    bool was_in = false;          ///< has been in its slot
+    bool out = false;             ///< out of its slot now
+    std::uint32_t waited_us = 0;  ///< wait used up at since_us
     std::int64_t heard_us = 0;
-    std::int64_t since_us = 0;   ///< of `out`
-    std::int64_t waited_us = 0;  ///< wait used up at since_us
+    std::int64_t since_us = 0;  ///< of `out`
 
     std::int64_t waited(std::int64_t now_us) const;
     void note(bool is_out, std::int64_t now_us, std::int64_t most_us);
@@ -50,6 +53,7 @@ class FleetReports {
   std::int64_t return_us_ = 0;  // the last one
   std::array<Member, 24> members_{};
   std::size_t used_ = 0;  // entries from here on are free
+  Member fleet_;          // all together: out while any of them is late
 };
 
 }  // namespace flotilla::app

@@ -103,6 +103,8 @@ class Pilot {
 
   /// One step of the law behind that vessel; paused: it slows down and waits.
   core::ControllerOutput<S> sail(Plan plan, bool paused, std::int64_t now_us, S dt);
+  /// Changes the speed of that vessel's whole way.
+  void set_speed(S mps) { plan_vessel_.set_speed(mps); }
   /// The same behind a vessel that is driven by velocity setpoints.
   core::ControllerOutput<S> drive(const core::Drive<S>& desired, bool paused, std::int64_t now_us,
                                   S dt);
@@ -115,7 +117,7 @@ class Pilot {
   S yaw_rate() const { return own_.motion().nu.r; }
 
   /// The reports of the tree's other boats.
-  const FleetReports& reports() const { return reports_; }
+  FleetReports& reports() { return reports_; }
 
   /// Other claims to the own slot.
   const SlotClaims& claims() const { return claims_; }

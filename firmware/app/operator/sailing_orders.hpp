@@ -21,9 +21,11 @@ class SailingOrders {
     drive_.reset();
   }
 
-  /// Takes a script's setpoint for GUIDED: a new target, velocities, or neither.
+  /// Takes a script's setpoint for GUIDED: a new target, velocities, or neither. The target that an
+  /// operator ordered before counts as a new one from now on.
   void set(const std::optional<Target>& target, const std::optional<core::Drive<double>>& drive,
            std::int64_t now_us) {
+    ordered_.reset();
     if (target) target_ = target;
     drive_ = drive;
     drive_us_ = now_us;

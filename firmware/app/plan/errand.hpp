@@ -31,6 +31,8 @@ class Errand {
   /// Sails by these places first, at most kBends, passing within radius_m of them.
   void sail_by(std::span<const convert::GlobalPoint> bends, float radius_m, const Target& target);
 
+  void set_speed(float mps);
+
   /// The end of the errand.
   Target target() const;
 

@@ -15,31 +15,37 @@ void Errands::sail_to(const Target& target) {
 
 void Errands::sail_round(const Fence& fence, const convert::Position& here, const Target& target,
                          const Target& meanwhile, float margin_m) {
-  const auto from = fence.on_map(here);
-  const bool outside = from && !(Fence::Length(0) < fence.clearance(*from));  // any way leads back
-  const bool straight = outside || fence.refusal_of(here, target.place, 0).empty();
-  sail_to(straight ? target : meanwhile);
-  if (straight) return;
-  way_round_.begin(fence, here, target, margin_m);
-  if (!way_round_.is_searching()) news_ = kNoWay;
+  if (!look_again(fence, here, target, margin_m)) errand_.sail_to(meanwhile);
 }
 
-bool Errands::leads_to(const Target& target) const {
-  const auto& [place, speed_mps] = goal();
-  return place.latitude == target.place.latitude && place.longitude == target.place.longitude &&
-         speed_mps == target.speed_mps;
+bool Errands::look_again(const Fence& fence, const convert::Position& here, const Target& target,
+                         float margin_m) {
+  const bool straight = fence.is_straight(here, target.place, margin_m);
+  if (straight) {
+    sail_to(target);
+  } else {
+    way_round_.begin(fence, here, target, margin_m);
+    if (is_lost()) news_ = kNoWay;
+  }
+  return straight;
 }
 
 bool Errands::look_for_way(const Fence& fence) {
   if (!way_round_.is_searching()) return false;
   way_round_.forward(fence);
   if (way_round_.is_searching()) return false;
-  if (!way_round_.found()) {
+  const bool free = way_round_.straight_is_free(fence);
+  if (way_round_.found()) {
+    news_ = free ? "straight path nears the fence: going round it"
+                 : "straight path crosses the fence: going round it";
+    errand_ = way_round_.errand(fence);
+  } else if (free) {
+    news_ = "no way round: straight path nears the fence";
+    sail_to(way_round_.goal());
+  } else {
     news_ = kNoWay;
     return false;
   }
-  news_ = "straight path crosses the fence: going round it";
-  errand_ = way_round_.errand(fence);
   return true;
 }
 

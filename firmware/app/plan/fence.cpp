@@ -121,6 +121,25 @@ Fence::Length Fence::clearance(const Place& a, const Place& b) const {
   return least;
 }
 
+Fence::Length Fence::kept(const Place& a, const Place& b, float margin_m) const {
+  return core::min(convert::scalar<Q16>(margin_m), core::min(clearance(a), clearance(b)));
+}
+
+bool Fence::is_straight(const convert::Position& here, const convert::GlobalPoint& target,
+                        float margin_m) const {
+  if (!is_on()) return true;
+  const auto from = on_map(here), to = on_map(target);
+  if (!from) return true;  // no zone is near; once on the map, the boat judges its leg again
+  const Length now = clearance(*from);
+  if (!(Q16(0) < now)) return true;
+  if (!to) {
+    const convert::Position there{0, 0, {target.latitude, target.longitude, 0, 0}};
+    return convert::distance_m(here, there) < convert::number(now);
+  }
+  const Length way = clearance(*from, *to);
+  return Q16(0) < way && !(way + kFenceRounding < kept(*from, *to, margin_m));
+}
+
 std::optional<Fence::Place> Fence::bend(std::size_t number, Length off) const {
   const std::size_t item = number / kBends, part = number % kBends;
   std::optional<Place> out;

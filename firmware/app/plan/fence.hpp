@@ -30,10 +30,13 @@ class Fence {
   void locate(const link::GpsGlobalOrigin& origin);
 
   /// A fence that is switched off permits everything.
-  void enable(bool on) { on_ = on; }
+  void enable(bool on) {
+    if (on != on_) ++drawn_;
+    on_ = on;
+  }
   bool is_stored() const { return !items_.empty(); }
   bool is_on() const { return on_ && is_stored(); }
-  /// The number of maps drawn so far.
+  /// Changes with the map, and when the fence is switched on or off.
   std::uint32_t drawn() const { return drawn_; }
 
   /// Nothing beyond 4 km from the first item.
@@ -44,6 +47,13 @@ class Fence {
   /// where the boat may not be. Call only while a fence is stored.
   Length clearance(const Place& place) const;
   Length clearance(const Place& a, const Place& b) const;
+  /// How far a way between two places keeps from every boundary: margin_m, or as far as one of them
+  /// if that is nearer.
+  Length kept(const Place& a, const Place& b, float margin_m) const;
+  /// Whether the boat may return straight from `here` to `target`, on a way that keeps so far.
+  /// Outside the fence, any way may lead back.
+  bool is_straight(const convert::Position& here, const convert::GlobalPoint& target,
+                   float margin_m) const;
   /// Whether the fence permits places beyond the map.
   bool permits_far() const;
 

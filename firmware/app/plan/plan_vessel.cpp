@@ -123,7 +123,8 @@ void PlanVessel<S>::drive(const core::Drive<S>& desired, const BoatBehind<S>& bo
   const S share = pace(boat, core::abs(desired.u), paused);
   seen_ = 0;
   foresees_ = false;
-  core::drive_forward(limits_, {share * desired.u, share * desired.r, desired.course}, state_, dt);
+  const auto course = paused ? std::nullopt : desired.course;
+  core::drive_forward(limits_, {share * desired.u, share * desired.r, course}, state_, dt);
 }
 
 template <class S>

@@ -58,6 +58,11 @@ class PlanVessel {
   /// Sails for dt seconds at these velocities; the plan is given up.
   void drive(const core::Drive<S>& desired, const BoatBehind<S>& boat, bool paused, S dt);
 
+  /// Sails at this speed on all legs from now on.
+  void set_speed(S mps) {
+    for (core::Waypoint<S>& point : points_) point.speed = mps;
+  }
+
   /// The plan begins near enough to the boat. False, too, once the vessel stands at the beginning
   /// of a leg that is longer than the planner's range.
   bool is_sound() const { return sound_ && !(is_at_end() && unread_); }

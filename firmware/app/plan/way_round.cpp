@@ -21,20 +21,24 @@ Q16 distance(const Fence::Place& a, const Fence::Place& b) {
 
 void WayRound::begin(const Fence& fence, const convert::Position& here, const Target& goal,
                      float margin_m) {
-  stop();
+  lose();
+  drawn_ = fence.drawn();
   const auto to = fence.on_map(goal.place), from = fence.on_map(here);
   if (!to || !from) return;
   margin_m_ = margin_m;
-  keep_ = core::min(convert::scalar<Q16>(margin_m),
-                    core::min(fence.clearance(*to), fence.clearance(*from)));
+  keep_ = fence.kept(*to, *from, margin_m);
   if (!(Q16(0) < keep_)) return;
   goal_ = goal;
   nodes_[kGoal] = {*to, Q16(0), kGoal, true, false};
   nodes_[kBoat] = {.place = *from};
   count_ = kEnds;
   at_ = 0;
-  drawn_ = fence.drawn();
   phase_ = Phase::kCollect;
+}
+
+bool WayRound::straight_is_free(const Fence& fence) const {
+  return fence.drawn() == drawn_ &&
+         Q16(0) < fence.clearance(nodes_[kBoat].place, nodes_[kGoal].place);
 }
 
 /// Distance of a bend from the fence, so that the rounded bend keeps the margin.
@@ -43,7 +47,7 @@ WayRound::Length WayRound::off() const {
 }
 
 void WayRound::forward(const Fence& fence) {
-  if (is_searching() && fence.drawn() != drawn_) stop();
+  if (is_outdated(fence)) lose();
   for (int n = 0; n < kPerTick && is_searching(); ++n) {
     if (phase_ == Phase::kCollect) {
       collect(fence);
@@ -58,12 +62,12 @@ void WayRound::collect(const Fence& fence) {
   while (!bend && at_ < fence.bends()) bend = fence.bend(at_++, off());
   if (!bend) {
     phase_ = Phase::kSearch;
-    if (!close_next()) stop();
+    if (!close_next()) lose();
     return;
   }
   if (fence.clearance(*bend) + kFenceRounding < keep_) return;
   if (!(distance(*bend, nodes_[kBoat].place) < Q16(static_cast<int>(kErrandReach_m)))) return;
-  if (count_ == nodes_.size()) return stop();
+  if (count_ == nodes_.size()) return lose();
   nodes_[count_++] = {.place = *bend};
 }
 
@@ -95,7 +99,7 @@ void WayRound::search(const Fence& fence) {
   if (from_ == kBoat) {
     std::size_t bends = 0;
     for (std::size_t i = nodes_[kBoat].next; i != kGoal; i = nodes_[i].next) ++bends;
-    phase_ = bends > Errand::kBends ? Phase::kOver : Phase::kFound;
+    phase_ = bends > Errand::kBends ? Phase::kLost : Phase::kFound;
     return;
   }
   const Node& from = nodes_[from_];
@@ -110,7 +114,7 @@ void WayRound::search(const Fence& fence) {
     node.seen = true;
     return;
   }
-  if (!close_next()) stop();
+  if (!close_next()) lose();
 }
 
 Errand WayRound::errand(const Fence& fence) const {

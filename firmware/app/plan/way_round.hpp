@@ -31,12 +31,22 @@ class WayRound {
   void forward(const Fence& fence);
   bool is_searching() const { return phase_ == Phase::kCollect || phase_ == Phase::kSearch; }
   bool found() const { return phase_ == Phase::kFound; }
+  /// There is no way, or the search has failed.
+  bool is_lost() const { return phase_ == Phase::kLost; }
+  /// The fence has changed since the search began.
+  bool is_outdated(const Fence& fence) const {
+    return (is_searching() || is_lost()) && fence.drawn() != drawn_;
+  }
+  const Target& goal() const { return goal_; }
+
+  /// Whether the straight way to the goal keeps within the fence, however near to it.
+  bool straight_is_free(const Fence& fence) const;
 
   /// If found: the errand that leads there.
   Errand errand(const Fence& fence) const;
 
  private:
-  enum class Phase : std::uint8_t { kOver, kCollect, kSearch, kFound };
+  enum class Phase : std::uint8_t { kOver, kCollect, kSearch, kFound, kLost };
   using Length = Fence::Length;
   using Place = Fence::Place;
 
@@ -48,6 +58,7 @@ class WayRound {
   };
   static constexpr std::size_t kGoal = 0, kBoat = 1, kEnds = 2;
 
+  void lose() { phase_ = Phase::kLost; }
   void collect(const Fence& fence);
   void search(const Fence& fence);
   bool close_next();

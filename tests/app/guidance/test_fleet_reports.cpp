@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <string_view>
+#include <vector>
 
 #include "app/guidance/fleet_reports.hpp"
 #include "link/mavlink/mav.hpp"
@@ -24,23 +25,26 @@ struct Fleet {
   void hear(const link::Message& message, std::uint8_t from = kFollower) {
     reports.hear({{from, 1}, message}, now_us);
   }
-  void run(double s) {
+  void run(double s, const std::vector<std::uint8_t>& followers = {kFollower}) {
     for (int k = 0; k < static_cast<int>(10 * s); ++k) {
       now_us += kSecond_us / 10;
       link::FormationReference m{};
       m.root = root;
       m.flags = follows ? link::mav::kReferenceFollowed : std::uint8_t{0};
-      if (speaks) hear(m);
+      for (const std::uint8_t follower : followers) {
+        if (speaks) hear(m, follower);
+      }
+      late();
     }
   }
-  void in_slot(float value) {
+  void in_slot(float value, std::uint8_t from = kFollower) {
     link::NamedValueFloat m{};
     constexpr std::string_view kName = "IN_SLOT";
     std::copy(kName.begin(), kName.end(), m.name.begin());
     m.value = value;
-    hear(m);
+    hear(m, from);
   }
-  auto late() const { return reports.late(now_us); }
+  auto late() { return reports.late(now_us); }
 };
 
 TEST_CASE("the leader waits for a follower that falls out of its slot, until it is back") {
@@ -86,6 +90,47 @@ TEST_CASE(
   CHECK(fleet.late());
   fleet.run(5.2);
   CHECK_FALSE(fleet.late());
+}
+
+TEST_CASE("the leader waits for at most WP_WAIT_S for followers that are late in turn") {
+  Fleet fleet;
+  const std::vector<std::uint8_t> both{2, 3};
+  fleet.run(1, both);
+  fleet.in_slot(1, 2);
+  fleet.in_slot(1, 3);
+  int waited_s = 0;
+  for (int s = 0; s < 200; ++s) {
+    const bool first = s / 10 % 2 == 0;
+    fleet.in_slot(first ? 0.0F : 1.0F, 2);
+    fleet.in_slot(first ? 1.0F : 0.0F, 3);
+    fleet.run(1, both);
+    if (fleet.late()) ++waited_s;
+  }
+  CHECK(waited_s == 30);
+  fleet.in_slot(1, 2);
+  fleet.in_slot(1, 3);
+  fleet.run(20, both);
+  fleet.in_slot(0, 2);
+  fleet.run(0.1, both);
+  CHECK(fleet.late());
+  fleet.run(25, both);
+  CHECK_FALSE(fleet.late());
+  fleet.reports.begin_plan();
+  CHECK(fleet.late());
+}
+
+TEST_CASE("a boat that stays out of its slot does not use up the wait for others") {
+  Fleet fleet;
+  const std::vector<std::uint8_t> both{2, 3};
+  fleet.run(1, both);
+  fleet.in_slot(1, 2);
+  fleet.in_slot(1, 3);
+  fleet.in_slot(0, 2);
+  fleet.run(70, both);
+  CHECK_FALSE(fleet.late());
+  fleet.in_slot(0, 3);
+  fleet.run(20, both);
+  CHECK(fleet.late() == 3);
 }
 
 TEST_CASE("the leader does not wait for a boat that was never in its slot") {

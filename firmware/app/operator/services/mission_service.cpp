@@ -321,6 +321,7 @@ void MissionService::sailed(std::size_t item, bool complete) {
 bool MissionService::enable_fence(bool on) {
   if (!fence_.is_stored()) return false;
   fence_.enable(on);
+  checked_map_ = fence_.drawn();
   judge_anew();
   return true;
 }
@@ -364,7 +365,12 @@ bool MissionService::plan_is_sound(bool in_auto) const {
 
 convert::GlobalPoint MissionService::return_place(const convert::Position& here,
                                                   const convert::GlobalPoint& home,
-                                                  const PlanDefaults& defaults) const {
+                                                  const PlanDefaults& defaults,
+                                                  const std::optional<float>& fence_m) const {
+  const convert::Position at_home{0, 0, {home.latitude, home.longitude, 0, 0}};
+  const auto leads_to = [&](const convert::GlobalPoint& place) {
+    return fence_.is_straight(here, place, defaults.margin_m);
+  };
   convert::GlobalPoint best = home;
   double nearest_m = 0;
   bool found = false, straight = false;
@@ -372,16 +378,19 @@ convert::GlobalPoint MissionService::return_place(const convert::Position& here,
     const convert::GlobalPoint place{point.x, point.y};
     if (!fence_.refusal_of(place, 0).empty()) continue;
     const convert::Position there{0, 0, {place.latitude, place.longitude, 0, 0}};
+    if (fence_m && convert::distance_m(at_home, there) > double{*fence_m}) continue;
     const double away_m = convert::distance_m(here, there);
     if (away_m > double{kErrandReach_m}) continue;
-    const bool leads = fence_.refusal_of(here, place, defaults.margin_m).empty();
+    const bool leads = leads_to(place);
     if (found && (straight != leads ? straight : nearest_m <= away_m)) continue;
     best = place;
     nearest_m = away_m;
     straight = leads;
     found = true;
   }
-  return best;
+  if (!found || straight || convert::distance_m(here, at_home) > double{kErrandReach_m})
+    return best;
+  return leads_to(home) ? home : best;
 }
 
 }  // namespace flotilla::app

@@ -119,10 +119,12 @@ class MissionService {
   /// Why the plan or the way to it cannot be sailed; empty if no fault is known.
   std::string_view plan_trouble() const { return check_.why().empty() ? way_why_ : check_.why(); }
 
-  /// The place to which a boat at `here` returns: the nearest permitted rally point, if possible
-  /// one with a straight way; home if there is none.
+  /// The place to which a boat at `here` returns: the nearest permitted rally point with a
+  /// straight way; or home if the way there is straight; or the nearest permitted rally point; or
+  /// home. fence_m: the farthest from home.
   convert::GlobalPoint return_place(const convert::Position& here, const convert::GlobalPoint& home,
-                                    const PlanDefaults& defaults) const;
+                                    const PlanDefaults& defaults,
+                                    const std::optional<float>& fence_m) const;
 
  private:
   struct Store {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,12 +31,13 @@ struct Kept {
   std::array<Fence::Place, 5> corners;
   MissionService service{{{plan, fence, rally}, incoming, corners}, false};
   PlanDefaults defaults{.speed_mps = 0.5F, .radius_m = 2, .margin_m = 1};
+  std::optional<float> fence_m{};
 
   void store(Stored kind, const std::vector<PlanItem>& items) {
     REQUIRE_FALSE(service.restore(kind, items, defaults));
   }
   convert::GlobalPoint back_from(double north_m, double east_m) {
-    return service.return_place({north_m, east_m, kOrigin}, point(1000, 1000), defaults);
+    return service.return_place({north_m, east_m, kOrigin}, point(1000, 1000), defaults, fence_m);
   }
 };
 
@@ -49,6 +51,15 @@ TEST_CASE("a boat returns to the nearest rally point, or home if there is none")
   kept.store(Stored::kRally, {item(mav::kRallyPoint, 50, 0), item(mav::kRallyPoint, 0, 30)});
   CHECK(same(kept.back_from(0, 0), point(0, 30)));
   CHECK(same(kept.back_from(40, 0), point(50, 0)));
+}
+
+TEST_CASE("a boat does not return to a rally point beyond FS_FENCE_M from home") {
+  Kept kept;
+  kept.store(Stored::kRally, {item(mav::kRallyPoint, 50, 0), item(mav::kRallyPoint, 990, 980)});
+  kept.fence_m = 100.0F;
+  CHECK(same(kept.back_from(40, 0), point(990, 980)));
+  kept.fence_m = 10.0F;
+  CHECK(same(kept.back_from(40, 0), point(1000, 1000)));
 }
 
 TEST_CASE("a stored plan is kept even if LAW_U_MAX or WP_RADIUS is now less") {
@@ -74,6 +85,8 @@ TEST_CASE(
   CHECK(same(kept.back_from(40, 0), point(0, 30)));
   kept.store(Stored::kFence, {item(mav::kFenceCircleInclusion, -100, -100, 20)});
   CHECK(same(kept.back_from(0, 0), point(1000, 1000)));
+  kept.store(Stored::kFence, {item(mav::kFenceCircleExclusion, 500, 500, 400)});
+  CHECK(same(kept.back_from(950, 950), point(1000, 1000)));  // straight, unlike the rally points
 }
 
 TEST_CASE(
