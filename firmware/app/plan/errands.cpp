@@ -30,6 +30,11 @@ bool Errands::look_again(const Fence& fence, const convert::Position& here, cons
   return straight;
 }
 
+bool Errands::leads_to(const convert::GlobalPoint& place) const {
+  const convert::GlobalPoint end = goal().place;
+  return end.latitude == place.latitude && end.longitude == place.longitude;
+}
+
 bool Errands::look_for_way(const Fence& fence) {
   if (!way_round_.is_searching()) return false;
   way_round_.forward(fence);

@@ -36,7 +36,7 @@ class Errands {
   /// The end of plan().
   Target goal() const { return errand_.target(); }
   /// False while the boat waits for a way round to that place.
-  bool leads_to(const convert::GlobalPoint& place) const { return goal().place == place; }
+  bool leads_to(const convert::GlobalPoint& place) const;
   void set_speed(float mps) { errand_.set_speed(mps); }
 
   /// A sentence about the search for the operator, once; empty: none.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -44,7 +45,7 @@ struct Fleet {
     m.value = value;
     hear(m, from);
   }
-  auto late() { return reports.late(now_us); }
+  std::optional<std::uint8_t> late() { return reports.late(now_us); }
 };
 
 TEST_CASE("the leader waits for a follower that falls out of its slot, until it is back") {
