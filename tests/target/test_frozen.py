@@ -75,10 +75,10 @@ def test_a_leader_at_rest_is_followed_for_as_long_as_it_rests(leader: Any) -> No
 
 
 @pytest.mark.parametrize("stuck", ["place", "place and velocity", "all"])
-def test_a_unit_that_was_stuck_before_it_started_stops_the_boat_within_seven_seconds(
+def test_a_unit_that_was_stuck_before_it_started_stops_the_boat_within_nine_seconds(
     stuck: str,
 ) -> None:
-    """5 s for a boat that may be held in place, and the time to see that it does not respond."""
+    """5 to 8 s for a boat that may be held in place, and the time to see that it does not answer."""
     sea = Afloat({"FS_LEADER_ACT": 0}, Hull(), s_curve)
     measured = sea.own.measured
 
@@ -90,7 +90,7 @@ def test_a_unit_that_was_stuck_before_it_started_stops_the_boat_within_seven_sec
 
     sea.own.measured = at_rest
     sea.enter_formation()
-    for _ in range(700):
+    for _ in range(900):
         sea.step()
         if sea.state != "FORMATION":
             break

@@ -13,7 +13,7 @@ namespace flotilla::app {
 /// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
 /// heading likewise despite a yaw rate, or the whole state while the propellers push. A vessel at
 /// rest that reports no velocity is not frozen. A vessel that has never moved may be held in place,
-/// so it gets 5 s, of thrust in the last case.
+/// so it gets 5 s, and 8 s of thrust in the last case.
 template <class S>
 class Liveness {
  public:
@@ -59,7 +59,7 @@ class Liveness {
   bool moved() const { return moved_; }
 
  private:
-  static constexpr S kForgetting_per_s = S(0.2), kHeld_s = S(5);
+  static constexpr S kForgetting_per_s = S(0.2), kHeld_s = S(5), kPushedHeld_s = S(8);
   static constexpr S kTold = S(0.15);   ///< m, rad: well above any message's rounding
   static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
   static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: counts as at rest
@@ -88,7 +88,7 @@ class Liveness {
     const S most_s = moved_ ? patience_s_ : kHeld_s;
     const bool frozen = (place_.lasts(most_s) && place_.contradicts()) ||
                         (heading_.lasts(most_s) && heading_.contradicts()) ||
-                        (pushed_ > kPushed && whole_.lasts(most_s));
+                        (pushed_ > kPushed && whole_.lasts(moved_ ? patience_s_ : kPushedHeld_s));
     well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
     live_ = !frozen && (live_ || well_ == kFew);
   }

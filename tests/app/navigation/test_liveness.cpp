@@ -130,7 +130,7 @@ TEST_CASE_TEMPLATE("a hull held from the beginning is frozen only after some sec
   CHECK(w.sail(5, true) > 0);
   Watch<S> pushed;
   CHECK(pushed.sail(20, true) == -1);
-  CHECK(pushed.sail(60, true, 10) == doctest::Approx(5.2).epsilon(0.1));
+  CHECK(pushed.sail(60, true, 10) == doctest::Approx(8.2).epsilon(0.1));
   CHECK_FALSE(pushed.liveness.moved());
 }
 
