@@ -78,7 +78,7 @@ def test_a_leader_at_rest_is_followed_for_as_long_as_it_rests(leader: Any) -> No
 def test_a_unit_that_was_stuck_before_it_started_stops_the_boat_within_nine_seconds(
     stuck: str,
 ) -> None:
-    """5 to 8 s for a boat that may be held in place, and the time to see that it does not answer."""
+    """A boat may be held in place: it gets 5 s to 8 s before it counts as not responding."""
     sea = Afloat({"FS_LEADER_ACT": 0}, Hull(), s_curve)
     measured = sea.own.measured
 
