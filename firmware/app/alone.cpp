@@ -59,9 +59,9 @@ void Alone<S>::start_errand(const Now& now) {
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
   lost_s_ = 0;
-  asked_ = now.state == core::State::kGuided && asked;
+  asked_ = now.state == core::State::kGuided ? asked : std::nullopt;
   if (now.state == core::State::kReturn) return sail_back(here);
-  errands_.sail_to(asked_ ? *asked : here);
+  errands_.sail_to(asked_.value_or(here));
   sail_errand();
 }
 
@@ -92,24 +92,25 @@ void Alone<S>::sail_errand() {
   pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
-/// Continues the search for a way round the forbidden zones; in RTL, begins it again every 10 s
-/// and when the fence has changed. Checks the present leg once a second, because the boat may be
+/// Continues the search for a way round the forbidden zones; begins it again when the fence has
+/// changed and, in RTL, every 10 s. Checks the present leg once a second, because the boat may be
 /// pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
   constexpr std::uint8_t kAgain_s = 10;
   const Fence& fence = vehicle_.missions().fence();
   const bool returns = now.state == core::State::kReturn;
-  if (returns && errands_.is_outdated(fence)) return look_again();
+  const auto sail_anew = [&] {
+    const Target here{convert::global_of(pilot_.place())};
+    returns ? sail_back(here) : sail_round(asked_.value_or(here), here);
+  };
+  if (errands_.is_outdated(fence)) return returns ? look_again() : sail_anew();
   const bool found = errands_.look_for_way(fence);
   tell_way();
   if (found) sail_errand();
   if (!leg_due_.take_if_due(now.now_us)) return;
   if (returns && errands_.is_lost() && lost_s_++ == kAgain_s) return look_again();
-  if (!fence.is_on() || leg_keeps_fence()) return;
-  const Target here{convert::global_of(pilot_.place())};
-  if (returns) return sail_back(here);
-  sail_round(asked_ ? errands_.goal() : here, here);
+  if (fence.is_on() && !leg_keeps_fence()) sail_anew();
 }
 
 /// In RTL, while the boat waits: looks for a way back again.
@@ -171,8 +172,8 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
   const std::optional<Target>& target = vehicle_.orders().target();
   // A repeated target must not restart the vessel that the boat follows.
   if (target && !driven_ && errands_.leads_to(target->place)) {
-    asked_ = true;
-    change_speed(vehicle_.orders().take_target()->speed_mps);
+    asked_ = vehicle_.orders().take_target();
+    change_speed(asked_->speed_mps);
   }
   if (target || (driven_ && !drive)) start_errand(now);
   driven_ = drive.has_value();

@@ -82,7 +82,7 @@ class Alone {
 
   Errands errands_;                       // of GUIDED, LOITER, RTL
   bool driven_ = false;                   // by velocities, in GUIDED
-  bool asked_ = false;                    // errands_ lead to a target that was asked for
+  std::optional<Target> asked_;           // target of GUIDED, if one was asked for
   std::uint8_t lost_s_ = 0;               // since no way was found; 0: the operator was not told
   VoyagePilot<S> voyage_;                 // of AUTO
   std::optional<std::uint16_t> reached_;  // item of the plan

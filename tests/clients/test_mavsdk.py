@@ -30,7 +30,7 @@ from mavsdk.plugins.telemetry import FixType, FlightMode
 
 from tests.clients.boat import BOTH_IDENTITIES, ESCS_SILENT, OWN_STATE_STALE, Sea, parameters
 from tests.clients.mavsdk_client import MavsdkClient
-from tests.linux.process import ROOT
+from tests.linux.process import BEHIND, ROOT
 from tests.target.course import Course
 from tests.target.stations import (
     ACCEPTED,
@@ -318,6 +318,7 @@ def px4_calls(mavsdk: MavsdkClient) -> dict[str, tuple[Callable[..., Any], IntEn
 def test_px4_requests_are_refused_and_change_nothing(
     sea: Sea, mavsdk: MavsdkClient, state: str
 ) -> None:
+    sea.own.course = BEHIND
     sea.until(lambda: sea.armable)
     mavsdk.call(mavsdk.action.arm)
     if state == "FORMATION":

@@ -2,7 +2,9 @@
 #include "app/estimation/unit_quality.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <variant>
@@ -21,30 +23,38 @@ constexpr unsigned kConstantPlace = 128, kGlitchOrUninitialised = 1024, kGpsGlit
 /// reports no quantity.
 using Verdict = std::optional<std::string_view>;
 
-constexpr std::string_view kHdop = "GPS HDOP", kAccuracy = "position accuracy",
-                           kRatios = "estimator test ratios";
 constexpr std::uint16_t kUnknownHdop = UINT16_MAX;
 
 /// A limit of 0 is off; NaN (unknown) exceeds no limit.
 bool beyond(float value, float limit) { return limit > 0 && value > limit; }
 
-/// Whether the message does not tell the quantity that was beyond its limit.
-bool hides(const link::GpsRawInt& m, std::string_view fault) {
-  return fault == kHdop && m.eph == kUnknownHdop;
+/// Of a message: one with a limit of its own, and the estimator's test ratios; NaN: unknown.
+using Quantities = std::array<float, 4>;
+Quantities quantities(const link::GpsRawInt& m) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  return {m.eph == kUnknownHdop ? kUnknown : static_cast<float>(m.eph) / 100};
 }
-bool hides(const link::EstimatorStatus& m, std::string_view fault) {
-  return (fault == kAccuracy && std::isnan(m.pos_horiz_accuracy)) ||
-         (fault == kRatios && std::isnan(m.vel_ratio + m.pos_horiz_ratio + m.mag_ratio));
+Quantities quantities(const link::EstimatorStatus& m) {
+  return {m.pos_horiz_accuracy, m.vel_ratio, m.pos_horiz_ratio, m.mag_ratio};
 }
-bool hides(const link::EkfStatusReport& m, std::string_view fault) {
-  return fault == kRatios &&
-         std::isnan(m.velocity_variance + m.pos_horiz_variance + m.compass_variance);
+Quantities quantities(const link::EkfStatusReport& m) {
+  return {0, m.velocity_variance, m.pos_horiz_variance, m.compass_variance};
 }
-bool hides(const link::Odometry&, std::string_view) { return false; }  // judge() tells
+Quantities quantities(const link::Odometry&) { return {}; }  // judge() looks at the covariance
+
+/// A bit for each quantity for which this is true.
+std::uint8_t bits_of(const Quantities& all, auto is) {
+  std::uint8_t bits = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (is(i)) bits = static_cast<std::uint8_t>(bits | 1U << i);
+  }
+  return bits;
+}
 
 Verdict judge(const link::GpsRawInt& m, const Configuration::Quality& limits) {
   if (m.fix_type < limits.fix) return "GPS fix type";
-  if (m.eph != kUnknownHdop && beyond(static_cast<float>(m.eph) / 100, limits.hdop)) return kHdop;
+  if (m.eph != kUnknownHdop && beyond(static_cast<float>(m.eph) / 100, limits.hdop))
+    return "GPS HDOP";
   return "";
 }
 
@@ -55,12 +65,13 @@ Verdict judge(unsigned flags, std::initializer_list<float> ratios,
   if ((flags & kNeeded) != kNeeded || (flags & kBad) != 0) {
     return "estimator flags";
   }
-  if (std::ranges::any_of(ratios, [&](float x) { return beyond(x, limits.ratio); })) return kRatios;
+  if (std::ranges::any_of(ratios, [&](float x) { return beyond(x, limits.ratio); }))
+    return "estimator test ratios";
   return "";
 }
 
 Verdict judge(const link::EstimatorStatus& m, const Configuration::Quality& limits) {
-  if (beyond(m.pos_horiz_accuracy, limits.accuracy_m)) return kAccuracy;
+  if (beyond(m.pos_horiz_accuracy, limits.accuracy_m)) return "position accuracy";
   return judge(m.flags, {m.vel_ratio, m.pos_horiz_ratio, m.mag_ratio}, limits);
 }
 
@@ -72,7 +83,7 @@ Verdict judge(const link::Odometry& m, const Configuration::Quality& limits) {
   const float north = m.pose_covariance[0], east = m.pose_covariance[6];  // of 6 × 6, m²
   if (!(north > 0) || !(east > 0)) return std::nullopt;
   const float limit = limits.accuracy_m * limits.accuracy_m;
-  return beyond(north, limit) || beyond(east, limit) ? kAccuracy : "";
+  return beyond(north, limit) || beyond(east, limit) ? "position accuracy" : "";
 }
 
 }  // namespace
@@ -82,14 +93,28 @@ void UnitQuality::take(const link::Received& received, const Limits& limits, std
   component_ = received.from.component;
   const link::Message& message = received.message;
   const auto look = [&]<class M>(std::size_t kind, const M* m) {
-    if (m == nullptr || (bad_[kind] && hides(*m, fault_))) return;
+    if (m == nullptr) return;
+    // While the quantity that was beyond its limit is unknown, the message proves nothing.
+    if (poor_[kind] != 0) {
+      const Quantities told = quantities(*m);
+      const auto unknown = bits_of(told, [&](std::size_t i) { return std::isnan(told[i]); });
+      if ((poor_[kind] & unknown) != 0) return;
+    }
     const auto stricter = Limits{limits.fix, kBetter * limits.hdop, kBetter * limits.accuracy_m,
                                  kBetter * limits.ratio};
-    const Verdict verdict = judge(*m, bad_[kind] ? stricter : limits);
+    const Limits& now = bad_[kind] ? stricter : limits;
+    const Verdict verdict = judge(*m, now);
     if (!verdict) return;
     told_ = true;
     bad_[kind] = !verdict->empty();
-    if (bad_[kind]) fault_ = *verdict;
+    poor_[kind] = 0;
+    if (bad_[kind]) {
+      fault_ = *verdict;
+      const Quantities told = quantities(*m);
+      poor_[kind] = bits_of(told, [&](std::size_t i) {
+        return beyond(told[i], i > 0 ? now.ratio : kind == 0 ? now.hdop : now.accuracy_m);
+      });
+    }
     const bool any = std::ranges::any_of(bad_, [](bool bad) { return bad; });
     if (any) {
       good_from_us_ = kNever;

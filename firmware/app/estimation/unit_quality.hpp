@@ -38,6 +38,7 @@ class UnitQuality {
   std::uint8_t component_ = 0;
   bool told_ = false;
   std::array<bool, kKinds> bad_{};
+  std::array<std::uint8_t, kKinds> poor_{};  // bits of the quantities beyond their limits
   std::string_view fault_;
   std::int64_t good_from_us_ = 0;
 };

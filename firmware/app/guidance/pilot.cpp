@@ -70,7 +70,8 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
     neighbours_.take<S>(received, *place, now_us, kMoves ? sender.reach_m : std::nullopt);
   } else if (const auto* ship = std::get_if<link::AisVessel>(&received.message)) {
     // A resting ship reports every three minutes: too seldom to wait for our own position.
-    neighbours_.take<S>(received, {{}, {}, {ship->lat, ship->lon, 0, 0}}, now_us);
+    const link::GpsGlobalOrigin there{ship->lat, ship->lon, 0, 0}, frame = neighbours_.frame();
+    neighbours_.take<S>(received, {{}, {}, convert::is_valid(frame) ? frame : there}, now_us);
   }
 }
 

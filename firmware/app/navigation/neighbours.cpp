@@ -37,6 +37,12 @@ double nearest_m(double north_m, double east_m, double v_north_mps, double v_eas
   return portable::hypot(north_m, east_m);
 }
 
+/// The distance to a hull; at least a tenth of that to its centre, or long ships around us would hide
+/// a near boat.
+double to_hull_m(double centre_m, float reach_m) {
+  return std::max(centre_m - double{reach_m}, 0.1 * centre_m);
+}
+
 std::uint16_t milliseconds(std::int64_t us) {
   constexpr std::int64_t kMost_us = 65'535'000;
   return static_cast<std::uint16_t>(std::clamp<std::int64_t>(us, 0, kMost_us) / 1000);
@@ -139,7 +145,7 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
 }
 
 /// The component whose places are used stays the vessel's autopilot; another one gets its turn if
-/// it has sent none between two of its heartbeats.
+/// no place came between two heartbeats.
 void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& message,
                                 std::int64_t now_us) {
   if (!is_vehicle(message)) return;
@@ -150,7 +156,11 @@ void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& messa
   if (autopilot == from.component) {
     idle_[from.system] = !told;
   } else {
-    if (autopilot != 0 && (told || !idle_[from.system])) return;
+    if (told) return;
+    if (autopilot != 0 && !idle_[from.system]) {
+      idle_[from.system] = true;
+      return;
+    }
     autopilot = from.component;
     idle_[from.system] = false;
   }
@@ -223,10 +233,13 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   const auto v_n =
       core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   const double north_m = -convert::number(apart_n.x), east_m = -convert::number(apart_n.y);
-  const double comes_m =
-      nearest_m(north_m, east_m, convert::number(v_n.x), convert::number(v_n.y)) -
-      double{reach_m.value_or(0)};
-  Vessel* vessel = place_for(id, comes_m, own, now_us);
+  Vessel* vessel = find(id);
+  if (vessel == nullptr) {
+    const double comes_m =
+        to_hull_m(nearest_m(north_m, east_m, convert::number(v_n.x), convert::number(v_n.y)),
+                  reach_m.value_or(0));
+    vessel = place_for(id, comes_m, own, now_us);
+  }
   if (vessel == nullptr) return nullptr;
   if (reach_m) vessel->reach_m = *reach_m;
   const bool newest = date(*vessel, seen.stamp_us, now_us);
@@ -302,16 +315,15 @@ Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
 
 double Neighbours::comes_m(const Vessel& v, const convert::Position& own) {
   if (!v.located) return std::numeric_limits<double>::max();
-  return nearest_m(convert::number(v.north_m - own.north_m), convert::number(v.east_m - own.east_m),
-                   double{v.v_north_mps}, double{v.v_east_mps}) -
-         double{v.reach_m};
+  return to_hull_m(
+      nearest_m(convert::number(v.north_m - own.north_m), convert::number(v.east_m - own.east_m),
+                double{v.v_north_mps}, double{v.v_east_mps}),
+      v.reach_m);
 }
 
-/// The vessel's own entry, else a free one, else that of the vessel that stays farthest away, if
-/// this one comes nearer.
+/// A free entry, else that of the vessel that stays farthest away, if this one comes nearer.
 Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, double near_m,
                                           const convert::Position& own, std::int64_t now_us) {
-  if (Vessel* known = find(id)) return known;
   double farthest_m = near_m;
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
@@ -376,25 +388,28 @@ core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::V
                                      std::int64_t now_us) const {
   core::Traffic<S> out;
   if (!same(own.origin, frame_)) return out;
+  const auto add = [&](const Vessel& v) {
+    core::OtherVessel<S>& other = out.vessels[out.count++];
+    other = seen(v, own, moved_n, now_us);
+    other.has_way = has_way(v);
+    other.stranger = !v.depth && v.id != leader_system_;
+  };
+  if (used_ <= core::kMaxVessels) {
+    for (const Vessel& v : tracked()) {
+      if (counts(v, now_us)) add(v);
+    }
+    return out;
+  }
   std::array<const Vessel*, kKept> known{};
   std::size_t count = 0;
   for (const Vessel& v : tracked()) {
     if (counts(v, now_us)) known[count++] = &v;
   }
-  if constexpr (kKept > core::kMaxVessels) {
-    if (count > core::kMaxVessels) {
-      std::ranges::nth_element(known.begin(), known.begin() + core::kMaxVessels,
-                               known.begin() + static_cast<std::ptrdiff_t>(count), {},
-                               [&](const Vessel* v) { return comes_m(*v, own); });
-      count = core::kMaxVessels;
-    }
-  }
-  for (const Vessel* v : std::span(known).first(count)) {
-    core::OtherVessel<S>& other = out.vessels[out.count++];
-    other = seen(*v, own, moved_n, now_us);
-    other.has_way = has_way(*v);
-    other.stranger = !v->depth && v->id != leader_system_;
-  }
+  const std::size_t most = std::min(count, core::kMaxVessels);
+  std::ranges::nth_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(most),
+                           known.begin() + static_cast<std::ptrdiff_t>(count), {},
+                           [&](const Vessel* v) { return comes_m(*v, own); });
+  for (const Vessel* v : std::span(known).first(most)) add(*v);
   return out;
 }
 

@@ -17,8 +17,9 @@ namespace flotilla::app {
 
 /// A vessel is a system with a component whose heartbeat announces a vehicle's autopilot; that
 /// component's GLOBAL_POSITION_INT and FOLLOW_TARGET count, and, if its origin is known, its
-/// LOCAL_POSITION_NED and ODOMETRY, even if they tell only its place. Virtual leaders, ground stations, companions and gimbals do not
-/// count. When full, keeps the vessels that come nearest; forgets silent ones.
+/// LOCAL_POSITION_NED and ODOMETRY, even if they tell only its place. Virtual leaders, ground
+/// stations, companions and gimbals do not count. When full, keeps the vessels that come nearest;
+/// forgets silent ones.
 ///
 /// The delay of a state beyond that of the vessel's promptest messages adds to its age, up to 30 s.
 /// The delay that all its messages share is not measured, but assumed to be 0.1 s.
@@ -33,6 +34,9 @@ class Neighbours {
   void configure(std::uint8_t own_system, std::uint8_t leader_system, float least_m);
 
   bool watches() const { return watches_; }
+
+  /// Origin of the frame in which places are kept; not valid before the first one.
+  const link::GpsGlobalOrigin& frame() const { return frame_; }
 
   /// Takes any message. Keeps places in the local frame of `own`. `reach_m`: half of the length by
   /// which the sender's hull is longer than ours; nullopt: unknown. S: scalar of the computation.

@@ -24,19 +24,25 @@ double share_of(std::uint16_t us) { return std::clamp((us - 1500) / 400.0, -1.0,
 }  // namespace
 
 bool RcInput::hears(std::uint8_t component, std::int64_t now_us) {
-  if (component != component_ && component_ != 0 && now_us - heard_us_ < kSilent_us) return false;
-  if (component != component_) *this = {};
-  component_ = component;
-  return true;
+  if (component == component_) {
+    seen_us_ = now_us;
+    return !is_lost(component);
+  }
+  const bool free = component_ == 0 || is_lost(component_) || now_us - seen_us_ >= kSilent_us;
+  return free && !is_lost(component);
 }
 
 bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
-                   State state, std::int64_t now_us) {
+                   State state, std::int64_t now_us, std::uint8_t component) {
   const std::size_t needed = std::max<std::size_t>(kThrottle + 1, switch_channel);
   if (pulses_us.size() < needed || switch_channel == 0) return false;
   const std::uint16_t turned = pulses_us[switch_channel - 1U];
   const std::uint16_t steering = pulses_us[kSteering], throttle = pulses_us[kThrottle];
   if (!is_pulse(turned) || !is_pulse(steering) || !is_pulse(throttle)) return false;
+  if (component != component_) {
+    *this = RcInput(component, lost_);
+    seen_us_ = now_us;
+  }
   pilots_ = pilots(now_us);
   heard_us_ = now_us;
   sticks_ = {share_of(throttle), share_of(steering)};
@@ -56,10 +62,12 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
 
 void RcInput::judge(std::uint8_t component, const link::SysStatus& status) {
   constexpr std::uint32_t kReceiver = link::mav::kSensorRcReceiver;
-  const bool others = component_ != 0 && component != component_;
-  if ((status.sensors_present & kReceiver) == 0 || others) return;
-  component_ = component;
-  lost_ = (status.sensors_enabled & ~status.sensors_health & kReceiver) != 0;
+  if ((status.sensors_present & kReceiver) == 0) return;
+  if ((status.sensors_enabled & ~status.sensors_health & kReceiver) != 0) {
+    lost_ = component;
+  } else if (is_lost(component)) {
+    lost_ = 0;
+  }
 }
 
 bool RcInput::pilots(std::int64_t now_us) const {

@@ -15,17 +15,19 @@ namespace flotilla::app {
 /// HOLD. Channels as on ArduPilot Rover: 1 steers, 3 is the throttle.
 class RcInput {
  public:
-  /// Whether messages of this component count: it is the only one until it has been silent for half
-  /// a second.
+  RcInput() = default;
+
+  /// Whether pulses of this component count: only one component's do until it has been silent for
+  /// half a second, or reports its receiver as lost.
   bool hears(std::uint8_t component, std::int64_t now_us);
   /// Takes the pulses of channels 1 and up, µs; switch_channel counts from 1. False if a channel
   /// that is needed is missing or has no valid pulse.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
-            core::State state, std::int64_t now_us);
+            core::State state, std::int64_t now_us, std::uint8_t component = 0);
   /// Notes the receiver's health, as reported by the component that sends its pulses: a receiver
   /// that has lost its transmitter may repeat its last pulses endlessly.
   void judge(std::uint8_t component, const link::SysStatus& status);
-  bool is_lost() const { return lost_; }
+  bool is_lost(std::uint8_t component) const { return lost_ != 0 && lost_ == component; }
 
   /// The pilot has taken over, and is heard.
   bool pilots(std::int64_t now_us) const;
@@ -35,11 +37,12 @@ class RcInput {
   std::optional<core::Request> take_request(core::State state, std::int64_t now_us);
 
  private:
+  RcInput(std::uint8_t component, std::uint8_t lost) : lost_(lost), component_(component) {}
+
   Sticks sticks_, rest_;
-  std::int64_t heard_us_ = 0;
+  std::int64_t heard_us_ = 0, seen_us_ = 0;  // when pulses came that counted; any of component_
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
-  bool lost_ = false;
-  std::uint8_t component_ = 0;
+  std::uint8_t lost_ = 0, component_ = 0;  // the component that has lost its transmitter; in use
   std::optional<core::Request> asks_;
 };
 

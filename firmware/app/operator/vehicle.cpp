@@ -176,10 +176,12 @@ void Vehicle::take_sticks(std::size_t link, const link::Received& received,
 bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int64_t now_us) {
   const auto channel = configuration_.operators.rc_switch;
   RcInput* input = &transmitter_;
+  std::uint8_t component = 0;
   std::span<const std::uint16_t> pulses_us;
   if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
     if (received.from.system != self().system) return true;
-    if (!input->hears(received.from.component, now_us) || input->is_lost()) return true;
+    component = received.from.component;
+    if (!input->hears(component, now_us)) return true;
     pulses_us = std::span(rc->pulses).first(std::min<std::size_t>(rc->chancount, 16));
   } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
     const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
@@ -194,7 +196,8 @@ bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int
     }
     return false;
   }
-  if (!channel || !input->hear(pulses_us, *channel, supervisor_.state(), now_us)) return true;
+  const core::State state = supervisor_.state();
+  if (!channel || !input->hear(pulses_us, *channel, state, now_us, component)) return true;
   const bool yields = input == &override_ && transmitter_.pilots(now_us);
   if (const auto sticks = input->sticks(); sticks && !yields) {
     supervisor_.take_sticks(*sticks, received.from, now_us, true);

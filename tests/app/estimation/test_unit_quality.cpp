@@ -140,6 +140,12 @@ TEST_CASE("an estimate stays poor while its poor value is unknown, and only then
   CHECK(recovers(estimator(kUnknown, 0.1F, 0), estimator(kUnknown)));
   CHECK_FALSE(recovers(ekf(5), ekf(kUnknown)));
   CHECK_FALSE(recovers(odometry(900, 900), odometry(kUnknown, kUnknown)));
+  CHECK(recovers(estimator(1, 5), estimator(1)));  // its third ratio is never known
+  Unit unit;
+  unit.say(estimator(kUnknown, 0.1F, 0));
+  unit.say(odometry(900, 900));
+  for (int i = 0; i < 20; ++i) unit.say(estimator(kUnknown)), unit.say(odometry(0.1F, 0.1F));
+  CHECK(unit.good());
 }
 
 TEST_CASE("an estimate stays poor in silence, and when another kind of message reports good") {

@@ -558,6 +558,30 @@ TEST_CASE("another vehicle's component of the same system does not hide a vessel
   CHECK(sail(5 * kSecond_us, 2) == 1);  // three seconds after the first has sent its last place
 }
 
+TEST_CASE("a vessel whose autopilot goes on under another component is seen again") {
+  Watch w;
+  for (std::int64_t us = 0; us < 20 * kSecond_us; us += 200'000) {
+    const std::uint8_t component = us < 5 * kSecond_us ? 1 : 2;
+    if (us % kSecond_us == 0) w.hear(5, beat(), us, component);
+    w.hear(5, at(5, 0), us, component);
+  }
+  CHECK(w.look(20 * kSecond_us).count == 1);
+}
+
+TEST_CASE("long ships around us do not displace a boat that is near") {
+  Watch w;
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    link::AisVessel tanker = ship(100 + 5.0 * i, 0, 211'000'100 + i);
+    tanker.velocity = 0;
+    tanker.flags |= link::mav::kAisDimensions;
+    tanker.dimension_bow = 500;
+    w.hear(255, tanker);
+  }
+  w.meet(6, 5, 0, 1);
+  const auto seen = w.look();
+  CHECK(std::ranges::any_of(seen.vessels, [](const auto& v) { return v.p_n.x < 6; }));
+}
+
 TEST_CASE("a vessel that tells only its place counts as at rest there") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   link::GlobalPositionInt global = at(5, 0);

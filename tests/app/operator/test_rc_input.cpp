@@ -41,20 +41,42 @@ TEST_CASE("a transmitter at rest gives no sticks and requests nothing") {
 TEST_CASE("a receiver counts as lost while its unit reports it enabled but not healthy") {
   constexpr std::uint32_t kBit = link::mav::kSensorRcReceiver;
   RcInput rc;
-  CHECK_FALSE(rc.is_lost());
+  CHECK_FALSE(rc.is_lost(140));
   const auto lost = [&rc](std::uint32_t present, std::uint32_t enabled, std::uint32_t health) {
     link::SysStatus status{};
     status.sensors_present = present;
     status.sensors_enabled = enabled;
     status.sensors_health = health;
     rc.judge(140, status);
-    return rc.is_lost();
+    CHECK_FALSE(rc.is_lost(141));
+    return rc.is_lost(140);
   };
   CHECK_FALSE(lost(~0U, ~0U, ~0U));
   CHECK_FALSE(lost(~0U, ~0U, kBit));
   CHECK(lost(~0U, kBit, ~kBit));
   CHECK(lost(0, 0, 0));
   CHECK_FALSE(lost(kBit, ~kBit, 0));
+}
+
+TEST_CASE("only one component's pulses count until it is silent or has lost its transmitter") {
+  constexpr std::array<std::uint16_t, 8> kPulses{1500, 1500, 1500, 1500, 1500, 1500, 1900, 1500};
+  RcInput rc;
+  const auto hear = [&](std::uint8_t component, std::int64_t now_us, bool valid = true) {
+    const auto pulses = std::span(kPulses).first(valid ? 8U : 0U);
+    return rc.hears(component, now_us) && rc.hear(pulses, kSwitch, State::kHold, now_us, component);
+  };
+  CHECK(hear(1, 1'000'000));
+  CHECK_FALSE(hear(2, 1'400'000));
+  CHECK(hear(2, 1'500'000));
+  link::SysStatus lost{};
+  lost.sensors_present = lost.sensors_enabled = link::mav::kSensorRcReceiver;
+  rc.judge(2, lost);
+  CHECK_FALSE(hear(2, 1'600'000));
+  CHECK_FALSE(hear(1, 1'650'000, false));  // invalid pulses do not make it forget
+  CHECK_FALSE(hear(2, 1'700'000));
+  CHECK(hear(1, 1'800'000));
+  CHECK_FALSE(hear(2, 2'900'000));
+  CHECK(hear(1, 3'000'000));
 }
 
 TEST_CASE("while the switch is on it requests MANUAL where the boat can change to it") {
