@@ -66,6 +66,7 @@ class WatchedBoat {
   void disarm() { boat_.disarm(); }
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
     boat_.limit_link(link, bytes_per_s);
+    if (bytes_per_s != 0 && bytes_per_s <= 5'760) monitor_.know_slow_link();
   }
 
   /// The last TIMESYNC request that the boat sent; returned once.

@@ -135,6 +135,7 @@ struct Moment : Seen {
   std::int64_t armed_us = kNever_us;
   std::int64_t arming_us = 0, status_us = 0;  ///< last sent
   std::int64_t beat_us = 0, timesync_us = 0;  ///< oldest among the links
+  bool slow_link = false;
   std::int64_t own_us = kNever_us, leader_us = kNever_us, sticks_us = kNever_us,
                neutral_us = kNever_us;
   std::int64_t controller_us = kNever_us, reboot_us = kNever_us;

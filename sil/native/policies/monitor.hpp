@@ -36,6 +36,9 @@ class Monitor {
   /// The true clocks, where the simulation knows them; from the next heard() on.
   void know(const Clocks& clocks) { now_.clocks = clocks; }
 
+  /// A link is limited to at most 5,760 bytes/s: TIMESYNC is requested there every 4 s.
+  void know_slow_link() { now_.slow_link = true; }
+
   void heard(std::span<const std::uint8_t> bytes);
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data) {
     can_.hear(can_id, data, known_, now_.heard);

@@ -2,6 +2,7 @@
 // The rules, each named by a sentence; rules.def is the list.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -30,7 +31,8 @@ inline std::int64_t us(float seconds) { return static_cast<std::int64_t>(double{
 /// Longest time between TIMESYNC requests.
 inline double asks_s(const Moment& n) {
   const double slow_Hz = double{n.p->SR_SLOW};
-  return 0.1 + (0 < slow_Hz && slow_Hz < 1 ? 1 / slow_Hz : 1);
+  const double slow_s = 0 < slow_Hz && slow_Hz < 1 ? 1 / slow_Hz : 1;
+  return 0.1 + (n.slow_link ? std::max(slow_s, 4.0) : slow_s);
 }
 
 /// Whether the newest state heard is younger than the limit, by the sender's true clock if known.

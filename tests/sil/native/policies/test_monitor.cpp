@@ -153,7 +153,7 @@ TEST_CASE("a track moved by another sender is reported") {
   h.sail(2);
   h.leader_talks = false;
   h.sail(0.1);
-  const auto state = h.state(h.now_us + h.leader_clock_us, 3, 0);
+  const auto state = h.state(h.now_us + h.leader_clock_us, h.leader_north_m, 0);
   h.boat.firmware().on_mavlink(testing::frame_of(h.leader, state), h.now_us, 0);
   h.step();
   CHECK(h.boat.broken() == "a foreign system id never moves the leader's track");
