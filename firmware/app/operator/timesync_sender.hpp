@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "app/navigation/time_requests.hpp"
 #include "app/operator/mavlink_links.hpp"
@@ -33,7 +34,7 @@ class TimesyncSender {
   /// Asks all at the next call.
   void make_due() {
     due_.make_due();
-    turn_ = 0;
+    last_s_.reset();
   }
 
  private:
@@ -43,7 +44,7 @@ class TimesyncSender {
   MavlinkLinks& links_;
   const Router& router_;
   Schedule due_, leader_due_{kSecond_us / 4};
-  std::uint32_t turn_ = 0;  // counts seconds
+  std::optional<std::int64_t> last_s_;  // when ask() last sent requests, s
 };
 
 }  // namespace flotilla::app
