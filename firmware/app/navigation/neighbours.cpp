@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
+#include "app/convert/convert_place.hpp"
 #include "app/convert/portable.hpp"
 #include "app/navigation/clock_offset.hpp"
 
@@ -37,8 +37,8 @@ double nearest_m(double north_m, double east_m, double v_north_mps, double v_eas
   return portable::hypot(north_m, east_m);
 }
 
-/// The distance to a hull; at least a tenth of that to its centre, or long ships around us would hide
-/// a near boat.
+/// The distance to a hull; at least a tenth of that to its centre, or long ships around us would
+/// hide a near boat.
 double to_hull_m(double centre_m, float reach_m) {
   return std::max(centre_m - double{reach_m}, 0.1 * centre_m);
 }
@@ -60,51 +60,6 @@ bool is_vehicle(const link::Heartbeat& beat) {
 bool is_ours(const link::Message& message) {
   return std::holds_alternative<link::FormationReference>(message) ||
          std::holds_alternative<link::FleetBeacon>(message);
-}
-
-// The same states without anything but the place, in case that is all they tell.
-link::Odometry place_alone(link::Odometry m) {
-  m.q = {1, 0, 0, 0};
-  m.z = m.vx = m.vy = m.vz = m.rollspeed = m.pitchspeed = m.yawspeed = 0;
-  m.child_frame_id = link::mav::kFrameLocalNed;
-  return m;
-}
-link::LocalPositionNed place_alone(link::LocalPositionNed m) {
-  m.z = m.vx = m.vy = m.vz = 0;
-  return m;
-}
-link::GlobalPositionInt place_alone(link::GlobalPositionInt m) {
-  m.vx = m.vy = 0;
-  return m;
-}
-link::FollowTarget place_alone(link::FollowTarget m) {
-  m.est_capabilities &= link::mav::kFollowPosition;
-  if (m.est_capabilities != 0) m.est_capabilities |= link::mav::kFollowVelocity;
-  m.vel = {};
-  return m;
-}
-
-/// Position and velocity, in the sender's local frame or global; the heading does not matter. A
-/// vessel that does not tell how it moves counts as at rest.
-template <class S>
-std::optional<convert::Sample<S>> place_of(const link::Message& message) {
-  constexpr convert::HeadingSample<S> kNorth{};
-  const auto place = [&](const auto* m) -> std::optional<convert::Sample<S>> {
-    const auto read = [&](const auto& told) -> std::optional<convert::Sample<S>> {
-      if constexpr (std::is_same_v<decltype(m), const link::Odometry*>) {
-        return convert::sample_of<S>(told).sample;
-      } else {
-        return convert::sample_of(told, kNorth);
-      }
-    };
-    const auto whole = read(*m);
-    return whole ? whole : read(place_alone(*m));
-  };
-  if (const auto* m = std::get_if<link::Odometry>(&message)) return place(m);
-  if (const auto* m = std::get_if<link::LocalPositionNed>(&message)) return place(m);
-  if (const auto* m = std::get_if<link::GlobalPositionInt>(&message)) return place(m);
-  const auto* m = std::get_if<link::FollowTarget>(&message);
-  return m != nullptr ? place(m) : std::nullopt;
 }
 
 bool same(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) {
@@ -139,7 +94,7 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
   if (component == 0 || autopilot_[system] != component) return;
   if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin);
-  } else if (const auto sample = place_of<S>(received.message)) {
+  } else if (const auto sample = convert::place_of<S>(received.message)) {
     take_place(system, *sample, reach_m, own, now_us);
   }
 }
