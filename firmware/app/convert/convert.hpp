@@ -130,7 +130,7 @@ bool near(const Position& own, const Position& leader, const Reach& within = kNe
 double distance_m(const Position& a, const Position& b);
 
 /// Vector from the leader to us, m, north-east in the plane of our origin, and whether it is near.
-/// Exact if both have the same origin; limited to ±15 km.
+/// Exact if both have the same origin; in Q16 limited to ±15 km.
 template <class S>
 struct Separation {
   core::Vec2<S> n{};

@@ -74,10 +74,11 @@ S scalar(Metres x) {
     return static_cast<S>(x.raw()) / S(4294967296);
   }
 }
-/// The same, limited to ±15 km: farther is out of reach in any case, and overflows Q16.
+/// The same; Q16, which would overflow, is limited to ±15 km: farther is out of reach in any case.
 template <class S>
 S limited(Metres x) {
-  return scalar<S>(std::clamp(x, Metres(-15'000), Metres(15'000)));
+  if constexpr (std::same_as<S, core::Q16>) x = std::clamp(x, Metres(-15'000), Metres(15'000));
+  return scalar<S>(x);
 }
 inline double number(Metres x) { return scalar<double>(x); }
 
