@@ -59,7 +59,7 @@ void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int6
 bool ClockOffset::is_later_than(const ClockOffset& other) const {
   if (!upper_ || !other.upper_) return false;
   const std::int64_t later_us = *upper_ - *other.upper_;
-  return 300'000 < later_us && later_us < 15'000'000;
+  return kLate_us < later_us && later_us < 15'000'000;
 }
 
 /// The upper bound less the width between the bounds / share.

@@ -44,8 +44,9 @@ class ClockOffset {
   /// The last answer contradicts the stamps, or took too long to be useful.
   bool disputed() const { return disputed_; }
 
-  /// Even the promptest message by this clock came 0.3 s to 15 s later than that by another clock
-  /// of the same vessel, if both count from the same instant.
+  /// Even the promptest message by this clock came kLate_us to 15 s later than that by another
+  /// clock of the same vessel, if both count from the same instant.
+  static constexpr std::int64_t kLate_us = 300'000;
   bool is_later_than(const ClockOffset& other) const;
 
   /// Takes the other clock's bound: messages by this one are as late as their stamps show. Ignored

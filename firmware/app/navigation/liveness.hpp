@@ -13,7 +13,7 @@ namespace flotilla::app {
 /// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
 /// heading likewise despite a yaw rate, or the whole state while the propellers push. A vessel at
 /// rest that reports no velocity is not frozen. A vessel that has never moved may be held in place,
-/// so it gets 5 s, and 8 s of thrust in the last case.
+/// so it gets 5 s; in the last case 8 s of thrust, for simulated boats are held while they start.
 template <class S>
 class Liveness {
  public:

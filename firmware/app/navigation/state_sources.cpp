@@ -12,7 +12,6 @@ namespace {
 
 /// Messages in a row that a better source needs before it is chosen again.
 constexpr int kSteady = 5;
-constexpr std::int64_t kLate_us = 300'000;
 
 }  // namespace
 
@@ -29,7 +28,7 @@ void StateSources::hear(Source source, std::int64_t stamp_us, std::int64_t now_u
   }
   if (in.late) {
     const auto offset_us = in.clock.offset_us();
-    in.late = offset_us && now_us - stamp_us - *offset_us > kLate_us;
+    in.late = offset_us && now_us - stamp_us - *offset_us > ClockOffset::kLate_us;
   }
   // Either the vessel rebooted or only this message is late: change_to() decides.
   in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
