@@ -167,12 +167,12 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     table_us_ = now_us + kTurn_us * static_cast<std::int64_t>((own.value_or(0) + beacon.sequence) %
                                                               held.count);
   }
-  if (now_rank) take(*now_rank, beacon, now_us);
+  if (now_rank) take_member(*now_rank, beacon, now_us);
 }
 
 /// A member's beacon. Takes the fleet's place in its plan from the leader or, if this boat does not
 /// hear the leader, from a member that does.
-void Fleet::take(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us) {
+void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const std::size_t leader = succession_.leader();
   const FleetPeer& peer = peers_.all()[rank];
   const bool relayed = peer.hears == leader;

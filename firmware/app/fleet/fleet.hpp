@@ -109,7 +109,7 @@ class Fleet {
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
-  void take(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us);
+  void take_member(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us);
   void note_place(const FleetPlace& place);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;

@@ -57,13 +57,13 @@ void Streams::limit(std::size_t link, std::uint32_t bytes_per_s) {
 }
 
 /// The interval of slow telemetry; 0: none.
-std::int64_t Streams::slow_us(std::size_t link) const {
+std::int64_t Streams::slow_interval_us(std::size_t link) const {
   if (slow_us_ == 0 || !links_[link].narrow) return slow_us_;
   return std::max(slow_us_, 4 * kSecond_us);
 }
 
 std::int64_t Streams::slowed_us(std::size_t link, std::int64_t fixed_us) const {
-  const std::int64_t slow_us = this->slow_us(link);
+  const std::int64_t slow_us = slow_interval_us(link);
   return slow_us > kSecond_us ? std::max(fixed_us, slow_us) : fixed_us;
 }
 
@@ -137,7 +137,7 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
     case Pace::kState:
       return state_us_ > 0 ? std::max(state_us_, tick_us_) : 0;
     case Pace::kSlow:
-      return slow_us_ > 0 ? std::max(slow_us(link), tick_us_) : 0;
+      return slow_us_ > 0 ? std::max(slow_interval_us(link), tick_us_) : 0;
     case Pace::kFixed:
       if (stream == kPositionStream && links_[link].narrow) return std::max(kSecond_us, slow_us_);
       return slowed_us(link, info.fixed_us);

@@ -145,7 +145,7 @@ class Streams {
   std::size_t find(std::uint16_t id) const;
   std::int64_t plain_interval_us(std::size_t stream, std::size_t link) const;
   std::int64_t stretched_us(std::size_t stream, std::size_t link) const;
-  std::int64_t slow_us(std::size_t link) const;
+  std::int64_t slow_interval_us(std::size_t link) const;
   void restart(std::size_t stream, std::size_t link);
   void set_share(std::size_t link, double share);
   void look_anew(std::size_t link) { links_[link].quiet_until_us = 0; }
