@@ -2,6 +2,7 @@
 """Replays a recording: equal bytes and frames at equal times must give equal output."""
 
 import struct
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -25,17 +26,22 @@ _HOST_EVENT = struct.Struct("<Bq")
 
 
 class _Twin:
-    """A boat built like the recorded one, fed with its recorded input."""
+    """A boat built like the recorded one, fed with its recorded input; `settings`: see ticks()."""
 
-    def __init__(self, header: dict[str, Any]) -> None:
+    def __init__(
+        self, header: Mapping[str, Any], settings: Callable[[Any], None] = lambda _: None
+    ) -> None:
         self._links, self._scalar = header["links"], header["scalar"]
+        self._settings = settings
         self._boat = self._boot(header["parameters"])
         self._clock = Clock(**header["clock"])
         self._recorded: Said = []
         self.ticked_us = -1
 
     def _boot(self, parameters: dict[str, float]) -> Any:
-        return flotilla.Boat(parameters, self._links, self._scalar)
+        boat = flotilla.Boat(parameters, self._links, self._scalar)
+        self._settings(boat)
+        return boat
 
     def _take_host(self, event: int, value: int) -> None:
         if event == BUS:
@@ -57,11 +63,15 @@ class _Twin:
         else:
             self._boat.on_mavlink(data, self._clock.at(t_us), channel)
 
+    def tick(self) -> Any:
+        """The output of a tick at the recorded boat's last tick."""
+        return self._boat.tick(self._clock.at(self.ticked_us))
+
     def differs(self) -> bool:
         """Tick the twin at the recorded boat's last tick, if any; whether the outputs differ."""
         if not self._recorded:
             return False
-        out = self._boat.tick(self._clock.at(self.ticked_us))
+        out = self.tick()
         said = [(CAN_OUT, i.to_bytes(4, "little") + d) for i, d in out.can]
         said += [(MAVLINK_OUT + link, data) for link, data in out.mavlink]
         recorded, self._recorded = self._recorded, []
@@ -89,3 +99,26 @@ def replay(recording: Recording) -> list[int]:
     for boat in range(len(twins)):
         compare(boat)
     return first
+
+
+def ticks(
+    recording: Recording,
+    number: int,
+    header: Mapping[str, Any],
+    settings: Callable[[Any], None] = lambda _: None,
+) -> Iterator[tuple[int, Any]]:
+    """Feed boat `number`'s recorded input to a boat of another header; its time and its output.
+
+    The world's time is in us. `settings` is applied to the boat whenever it starts: it sets what a
+    header does not have, such as a link's limit.
+    """
+    twin = _Twin(header, settings)
+    for t_us, port, data in recording:
+        channel = port & 0xFF
+        if port >> 8 != number:
+            continue
+        if not MAVLINK_OUT <= channel < HOST:
+            twin.take(t_us, channel, data)
+        elif t_us != twin.ticked_us:
+            twin.ticked_us = t_us
+            yield t_us, twin.tick()

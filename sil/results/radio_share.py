@@ -9,21 +9,20 @@ eight simulated boats do not sign: 13 bytes per frame are added for the signatur
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TypedDict
+from typing import Any, TypedDict
 
-import flotilla
 from pymavlink.dialects.v20 import common as mavlink
 from rich.console import Group
 from rich.table import Table
 
 from sil.lockstep import metrics
-from sil.lockstep.recording import CAN_IN, HOST, MAVLINK_OUT, Recording
+from sil.lockstep.recording import MAVLINK_OUT, Recording
+from sil.lockstep.replay import ticks
 from sil.lockstep.world import World
 from sil.plant.hull import Array
 from sil.results.claims import CLAIMS, PRODUCT
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
-from sil.wire.clock import Clock
 from sil.wire.mavlink_frames import frames
 
 BAUD = 57_600
@@ -35,7 +34,7 @@ RADIO = 1  # number of the radio's link
 TARGET_SHARE = 0.4  # of one boat
 LIMIT_BPS = BAUD * 4 // 5 // BITS_PER_BYTE  # of a serial line
 KEY = bytes(range(32))
-_SIGNING_TIME = 1_790_000_000_000_000  # us since 1970
+_SIGNING_US = 1_790_000_000_000_000  # since 1970
 ONE_S = 60.0
 # Eight boats in a line, all within radio range. Of the profiles that leave a tenth of the radio
 # free, the one whose boats never coast at 10 % packet loss; all have the same RMS.
@@ -98,25 +97,16 @@ def frames_of(
     """
     header = recording.header["boats"][BOAT - 1]
     parameters = {k: v for k, v in header["parameters"].items() if k != "SR_SLOW"}
-    boat = flotilla.Boat(parameters, header["links"], header["scalar"])
-    boat.limit_link(RADIO, limit_Bps)
-    if signs:
-        boat.secure(KEY, _SIGNING_TIME)
-        boat.set_signing(RADIO, "accept")
-    clock = Clock(**header["clock"])
-    ticked_us = -1
-    for t_us, port, data in recording:
-        agent, channel = port >> 8, port & 0xFF
-        if agent != BOAT or channel >= HOST:
-            continue
-        if channel < CAN_IN:
-            boat.on_mavlink(data, clock.at(t_us), channel)
-        elif channel < MAVLINK_OUT:
-            boat.on_can(int.from_bytes(data[:4], "little"), data[4:], clock.at(t_us))
-        elif t_us != ticked_us:
-            ticked_us = t_us
-            said = dict(boat.tick(clock.at(t_us)).mavlink).get(RADIO, b"")
-            yield from ((t_us, frame) for *_, frame in frames(said))
+
+    def settings(boat: Any) -> None:
+        boat.limit_link(RADIO, limit_Bps)
+        if signs:
+            boat.secure(KEY, _SIGNING_US)
+            boat.set_signing(RADIO, "accept")
+
+    for t_us, out in ticks(recording, BOAT, header | {"parameters": parameters}, settings):
+        said = dict(out.mavlink).get(RADIO, b"")
+        yield from ((t_us, frame) for *_, frame in frames(said))
 
 
 def eight(folder: Path, parameters: Mapping[str, float], *overrides: str) -> Radio:
