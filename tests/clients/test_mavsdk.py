@@ -30,8 +30,8 @@ from mavsdk.plugins.telemetry import FixType, FlightMode
 
 from tests.clients.boat import BOTH_IDENTITIES, ESCS_SILENT, OWN_STATE_STALE, Sea, parameters
 from tests.clients.mavsdk_client import MavsdkClient
-from tests.linux.process import BEHIND, ROOT
-from tests.target.course import Course
+from tests.linux.process import ROOT
+from tests.target.course import BEHIND, Course
 from tests.target.stations import (
     ACCEPTED,
     ARM,

@@ -30,7 +30,7 @@ from sil.wire.heartbeat import state_of
 from tests.dialect import dialect
 from tests.target.agent import Agent
 from tests.target.bus import ARMING_STATUS, RAW_COMMAND, Frames, commands, type_of
-from tests.target.course import Course
+from tests.target.course import TURN, Course
 from tests.target.stations import (
     ARM,
     ARMED_BIT,
@@ -49,8 +49,6 @@ from tests.target.stations import (
 ROOT = Path(__file__).parents[2]
 PROGRAM = ROOT / "build" / "release" / "firmware" / "flotillad"
 LOOPBACK = "127.0.0.1"
-# A leader whose turns keep every propeller busy, and a boat that is carried along behind it.
-TURN, BEHIND = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2), Course(3.7, 2.8, 0.45, 0.6, 0.0, 0.2)
 STORAGE = mavlink.MAV_CMD_PREFLIGHT_STORAGE
 
 #: The boat's ids, and time limits that a loaded machine can keep.

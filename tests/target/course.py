@@ -70,3 +70,7 @@ def quaternion(roll: float, pitch: float, yaw: float) -> list[float]:
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
     ]
+
+
+#: A leader that keeps every propeller busy, and a boat that is carried along behind it.
+TURN, BEHIND = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2), Course(3.7, 2.8, 0.45, 0.6, 0.0, 0.2)

@@ -15,7 +15,7 @@ from hypothesis import settings
 
 from tests.target.agent import START_US, Agent
 from tests.target.bus import Esc, Frames, arming_statuses, commands
-from tests.target.course import Course
+from tests.target.course import BEHIND, TURN, Course
 from tests.target.stations import (
     ARM,
     BOAT,
@@ -49,8 +49,6 @@ PAPER: dict[str, float] = {
     "LAW_REF": 0.0,
     "FS_SEP_M": 0.0,
 }
-# A leader that keeps every propeller busy, and a boat that is carried along behind it.
-TURN, BEHIND = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2), Course(3.7, 2.8, 0.45, 0.6, 0.0, 0.2)
 
 #: Hypothesis with equal examples in every run.
 seeded = functools.partial(settings, derandomize=True, database=None, deadline=None)

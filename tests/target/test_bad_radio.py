@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from tests.target.course import TURN
 from tests.target.hull import Afloat
-from tests.target.sea import TURN, Sea, messages
+from tests.target.sea import Sea, messages
 from tests.target.stations import (
     ARM,
     GCS,

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from tests.target.agent import START_US
 from tests.target.bus import FULL_SCALE, commands
-from tests.target.course import Course
-from tests.target.sea import BEHIND, TURN, Sea, assert_finite, at_sea, seeded
+from tests.target.course import BEHIND, TURN, Course
+from tests.target.sea import Sea, assert_finite, at_sea, seeded
 
 
 def test_clock_that_stands_still_does_no_harm() -> None:

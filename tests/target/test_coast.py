@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import pytest
 
+from tests.target.course import BEHIND, TURN
 from tests.target.operator_words import drive, param_set, sticks
-from tests.target.sea import BEHIND, TURN, Sea, at_sea, named, texts
+from tests.target.sea import Sea, at_sea, named, texts
 from tests.target.stations import FORMATION, HOLD
 
 MANUAL = 0

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.target.course import BEHIND, TURN
 from tests.target.operator_words import (
     MOTOR_TEST,
     REQUEST_MESSAGE,
@@ -19,7 +20,7 @@ from tests.target.operator_words import (
     param_set,
     sticks,
 )
-from tests.target.sea import BEHIND, TURN, Sea, acks, messages, named, texts
+from tests.target.sea import Sea, acks, messages, named, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,

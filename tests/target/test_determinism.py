@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from tests.target.course import Course
-from tests.target.sea import BEHIND, TURN, Sea, Tick, messages
+from tests.target.course import BEHIND, TURN, Course
+from tests.target.sea import Sea, Tick, messages
 from tests.target.stations import LEADER
 
 OF_THE_LAW = {

@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.target.course import Course
+from tests.target.course import TURN, Course
 from tests.target.hull import Afloat, Hull, s_curve
 from tests.target.operator_words import MANUAL, drive, enter_manual, sticks
-from tests.target.sea import TURN, Sea, acks, at_sea, texts
+from tests.target.sea import Sea, acks, at_sea, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,

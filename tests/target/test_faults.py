@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.target.sea import TURN, Sea, assert_finite, at_sea
+from tests.target.course import TURN
+from tests.target.sea import Sea, assert_finite, at_sea
 from tests.target.stations import ARM, FORCE, SET_MODE, command_long
 
 

@@ -4,7 +4,8 @@
 import pytest
 
 from sil.wire.fleet_table import Member, digest_of, table_message
-from tests.target.sea import TURN, Sea, at_sea, texts
+from tests.target.course import TURN
+from tests.target.sea import Sea, at_sea, texts
 from tests.target.stations import FORMATION, HOLD, SET_MODE, command_long
 from tests.target.test_rc import WITH_RC, hold, rc
 

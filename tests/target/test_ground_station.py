@@ -6,8 +6,9 @@ from __future__ import annotations
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.target.course import BEHIND, TURN
 from tests.target.operator_words import sticks
-from tests.target.sea import BEHIND, TURN, Sea, Tick, texts
+from tests.target.sea import Sea, Tick, texts
 from tests.target.stations import ARM, BOAT, FORMATION, GCS, Station, heartbeat
 
 TYPE_GCS = mavlink.MAV_TYPE_GCS

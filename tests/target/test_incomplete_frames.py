@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.target.sea import TURN, Sea
+from tests.target.course import TURN
+from tests.target.sea import Sea
 from tests.target.stations import ARM, BOAT, LEADER, Station, command_long, heartbeat
 
 PATIENCE_S = 0.3

@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.target.course import TURN
 from tests.target.operator_words import sticks
-from tests.target.sea import TURN, Sea, Tick, acks, named, texts
+from tests.target.sea import Sea, Tick, acks, named, texts
 from tests.target.stations import ARM, BOAT, Station, command_long, heartbeat, odometry
 from tests.target.two_links import OTHER, TO_OTHER, known, sent
 

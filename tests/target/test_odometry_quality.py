@@ -8,8 +8,8 @@ import math
 import pytest
 
 from tests.target.bus import FULL_SCALE
-from tests.target.course import Course, wrap
-from tests.target.sea import TURN, Sea, named
+from tests.target.course import TURN, Course, wrap
+from tests.target.sea import Sea, named
 from tests.target.stations import odometry, origin
 
 AGENTS = pytest.mark.parametrize("agent", ["own", "leader"])

@@ -9,6 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.bus import FULL_SCALE
+from tests.target.course import TURN
 from tests.target.operator_words import (
     MOTOR_TEST,
     PORT,
@@ -18,7 +19,7 @@ from tests.target.operator_words import (
     set_mode_message,
     sticks,
 )
-from tests.target.sea import TURN, Sea, acks, named, texts
+from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,

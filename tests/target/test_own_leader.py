@@ -6,8 +6,9 @@ from __future__ import annotations
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.target.course import TURN
 from tests.target.operator_words import param_set
-from tests.target.sea import TURN, Sea, acks, named, texts
+from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import ACCEPTED, ARM, BOAT, LEADER, SET_MODE, Station, command_long
 from tests.target.test_companion import AUTOPILOT, ME, beat, companion, latched
 

@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.target.course import TURN
 from tests.target.operator_words import param_list, param_read, param_set, sticks
-from tests.target.sea import TURN, Sea, Tick, acks, messages, named
+from tests.target.sea import Sea, Tick, acks, messages, named
 from tests.target.stations import (
     ACCEPTED,
     ARM,

@@ -9,8 +9,9 @@ import pytest
 
 from sil.wire.fleet_table import Member, table_message
 from tests.dialect import dialect
+from tests.target.course import TURN
 from tests.target.hull import Afloat
-from tests.target.sea import TURN, Sea, messages
+from tests.target.sea import Sea, messages
 from tests.target.stations import BOAT, LEADER, STRANGER, Station
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.target.course import TURN
 from tests.target.operator_words import (
     ENTER,
     MANUAL,
@@ -17,7 +18,7 @@ from tests.target.operator_words import (
     drive,
     enter_fault,
 )
-from tests.target.sea import TURN, Sea, acks, named
+from tests.target.sea import Sea, acks, named
 from tests.target.stations import (
     ACCEPTED,
     ARM,

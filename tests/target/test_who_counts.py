@@ -9,8 +9,8 @@ import flotilla
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.target.course import Course
-from tests.target.sea import TURN, Sea, at_sea
+from tests.target.course import TURN, Course
+from tests.target.sea import Sea, at_sea
 from tests.target.stations import (
     BOAT,
     GCS,

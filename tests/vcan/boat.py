@@ -30,9 +30,8 @@ from tests.linux.process import PATIENT
 from tests.punctual import lateness
 from tests.target.agent import START_US, Agent
 from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
-from tests.target.course import Course
+from tests.target.course import TURN, Course
 from tests.target.hull import ARM_M, GREATEST_N, Helmsman, Hull
-from tests.target.sea import TURN
 from tests.target.stations import (
     ARM,
     BOAT,
