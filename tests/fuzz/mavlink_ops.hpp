@@ -11,7 +11,6 @@
 #include "app/parameters.hpp"
 #include "fuzz/stream.hpp"
 #include "fuzz/watched_boat.hpp"
-#include "link/fields.hpp"
 #include "link/mavlink/encode.hpp"
 
 namespace flotilla::fuzz {
@@ -67,22 +66,7 @@ class Talkers {
 };
 
 /// Any message, its fields in order from the fuzzer.
-inline link::Message any_message(Stream& in) {
-  link::Message message;
-  const std::size_t index = in.byte() % std::variant_size_v<link::Message>;
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    ((I == index ? void(message.emplace<I>()) : void()), ...);
-  }(std::make_index_sequence<std::variant_size_v<link::Message>>{});
-  const auto fill = [&]<class Field>(Field& field) {
-    if constexpr (std::is_arithmetic_v<Field>) {
-      field = in.number<Field>();
-    } else {
-      for (auto& x : field) x = in.number<std::remove_reference_t<decltype(x)>>();
-    }
-  };
-  std::visit([&](auto& m) { testing::each_field(m, fill); }, message);
-  return message;
-}
+link::Message any_message(Stream& in);
 
 /// A parameter's value: at its ends, beyond them, its default, any float.
 inline float parameter_value(Stream& in, const app::ParameterInfo& info) {

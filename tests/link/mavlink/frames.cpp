@@ -8,6 +8,7 @@
 #include <string>
 
 #include "link/any_message.hpp"
+#include "link/fields.hpp"
 
 namespace flotilla::testing {
 namespace {
