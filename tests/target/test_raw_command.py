@@ -5,15 +5,26 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import dronecan
 import pytest
-from dronecan.transport import TransferError
+from dronecan.transport import Transfer, TransferError
+from hypothesis import given
+from hypothesis import strategies as st
 
-from tests.target.bus import FULL_SCALE, RAW_COMMAND, commands, of_type
+from tests.target.bus import FULL_SCALE, RAW_COMMAND, commands, of_type, slots, to_wire
 from tests.target.course import Course
-from tests.target.sea import PAPER, Sea
+from tests.target.sea import PAPER, Sea, seeded
 from tests.target.stations import FORMATION, HOLD
 
 FAR_AHEAD, FAR_ASTERN = Course(190.0), Course(-190.0)
+
+
+@seeded()
+@given(st.lists(st.integers(-8192, 8191), max_size=4), st.integers(0, 31))
+def test_the_decoder_of_these_tests_reads_what_dronecan_writes(raw: list[int], number: int) -> None:
+    payload = dronecan.uavcan.equipment.esc.RawCommand(cmd=raw)
+    ((_, data),) = to_wire(Transfer(number, 20, payload=payload, transfer_priority=8))
+    assert slots(data[:-1]) == tuple(raw)
 
 
 def test_both_propellers_are_commanded_in_every_tick(outing: Sea) -> None:
