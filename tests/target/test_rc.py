@@ -142,6 +142,48 @@ def test_a_transmitter_that_falls_silent_leads_to_hold() -> None:
     assert sea.commands == (0, 0), "the sticks are not at neutral"
 
 
+def lost_receiver(throttle: int, on: bool, count: int = 16) -> Any:
+    """RC_CHANNELS of a receiver without its transmitter."""
+    channels = pulses(0.0, 0.0, 1900 if on else 1100, 18)
+    channels[2] = throttle
+    return mavlink.MAVLink_rc_channels_message(0, count, *channels, 0)
+
+
+LOST = pytest.mark.parametrize(
+    ("throttle", "count"), [(900, 16), (950, 16), (974, 16), (0, 16), (65535, 16), (1000, 0)]
+)
+
+
+@LOST
+@pytest.mark.parametrize("on", [False, True])
+def test_a_receiver_that_loses_its_transmitter_takes_nothing_over(
+    throttle: int, count: int, on: bool
+) -> None:
+    sea = at_sea(WITH_RC)
+    hold(sea, rc(), 0.3)
+    hold(sea, lost_receiver(throttle, on, count), 1.0)
+    assert sea.state == "FORMATION"
+    hold(sea, rc(on=True), 0.2)
+    assert sea.state == "MANUAL", "the pilot is back"
+
+
+@LOST
+def test_a_receiver_that_loses_its_transmitter_drives_nothing(throttle: int, count: int) -> None:
+    sea = at_sea(WITH_RC)
+    hold(sea, rc(on=True), 0.2)
+    hold(sea, rc(ahead=0.5, on=True), 0.5)
+    assert sea.state == "MANUAL" and all(command > 0 for command in sea.commands)
+    begun = len(sea.ticks)
+    hold(sea, lost_receiver(throttle, True, count), 1.0)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    assert all(min(tick.commands) >= 0 for tick in sea.ticks[begun:]), "never astern"
+    for _ in range(20):
+        sea.say(lost_receiver(throttle, True, count), sender=RECEIVER)
+        sea.say(rc(on=True), sender=Station(BOAT, 151))
+        sea.run(EVERY_S)
+    assert sea.state == "MANUAL", "by another receiver"
+
+
 def status(healthy: bool, present: bool = True) -> Any:
     bit = mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER if present else 0
     health = bit if healthy else 0

@@ -14,6 +14,9 @@ using core::State;
 
 constexpr std::size_t kSteering = 0, kThrottle = 2;
 constexpr std::uint16_t kSwitchedOn_us = 1700;
+// Below this, a receiver has lost its transmitter, as by ArduPilot's FS_THR_VALUE (910 to 1100). A
+// transmitter's full travel ends at 988.
+constexpr std::uint16_t kLostThrottle_us = 975;
 constexpr double kMoved = 0.3;
 constexpr std::int64_t kSilent_us = 500'000;
 
@@ -23,13 +26,9 @@ double share_of(std::uint16_t us) { return std::clamp((us - 1500) / 400.0, -1.0,
 
 }  // namespace
 
-bool RcInput::hears(std::uint8_t component, std::int64_t now_us) {
-  if (component == component_) {
-    seen_us_ = now_us;
-    return !is_lost(component);
-  }
-  const bool free = component_ == 0 || is_lost(component_) || now_us - seen_us_ >= kSilent_us;
-  return free && !is_lost(component);
+bool RcInput::hears(std::uint8_t component, std::int64_t now_us) const {
+  const bool free = component_ == 0 || is_lost(component_) || now_us - heard_us_ >= kSilent_us;
+  return (component == component_ || free) && !is_lost(component);
 }
 
 bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
@@ -38,11 +37,9 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
   if (pulses_us.size() < needed || switch_channel == 0) return false;
   const std::uint16_t turned = pulses_us[switch_channel - 1U];
   const std::uint16_t steering = pulses_us[kSteering], throttle = pulses_us[kThrottle];
-  if (!is_pulse(turned) || !is_pulse(steering) || !is_pulse(throttle)) return false;
-  if (component != component_) {
-    *this = RcInput(component, lost_);
-    seen_us_ = now_us;
-  }
+  const bool lost = throttle < kLostThrottle_us;
+  if (!is_pulse(turned) || !is_pulse(steering) || !is_pulse(throttle) || lost) return false;
+  if (component != component_) *this = RcInput(component, lost_);
   pilots_ = pilots(now_us);
   heard_us_ = now_us;
   sticks_ = {share_of(throttle), share_of(steering)};

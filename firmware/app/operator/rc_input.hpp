@@ -17,11 +17,12 @@ class RcInput {
  public:
   RcInput() = default;
 
-  /// Whether pulses of this component count: only one component's do until it has been silent for
-  /// half a second, or reports its receiver as lost.
-  bool hears(std::uint8_t component, std::int64_t now_us);
+  /// Whether pulses of this component count: only one component's do until it has sent no valid
+  /// ones for half a second, or reports its receiver as lost.
+  bool hears(std::uint8_t component, std::int64_t now_us) const;
   /// Takes the pulses of channels 1 and up, µs; switch_channel counts from 1. False if a channel
-  /// that is needed is missing or has no valid pulse.
+  /// that is needed is missing or has no valid pulse, or if the throttle is that of a receiver
+  /// without its transmitter.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
             core::State state, std::int64_t now_us, std::uint8_t component = 0);
   /// Notes the receiver's health, as reported by the component that sends its pulses: a receiver
@@ -40,7 +41,7 @@ class RcInput {
   RcInput(std::uint8_t component, std::uint8_t lost) : lost_(lost), component_(component) {}
 
   Sticks sticks_, rest_;
-  std::int64_t heard_us_ = 0, seen_us_ = 0;  // when pulses came that counted; any of component_
+  std::int64_t heard_us_ = 0;                           // when pulses came that counted
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
   std::uint8_t lost_ = 0, component_ = 0;  // the component that has lost its transmitter; in use
   std::optional<core::Request> asks_;

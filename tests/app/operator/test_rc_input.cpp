@@ -173,7 +173,7 @@ TEST_CASE("pulses are shares of full thrust ahead and of full moment to starboar
   t.hear(State::kManual);
   CHECK(t.rc.sticks()->surge == -0.5);
   CHECK(t.rc.sticks()->yaw == 0.5);
-  t.set(2100, 900, 1900);
+  t.set(2100, 1000, 1900);
   t.hear(State::kManual);
   CHECK(t.rc.sticks()->surge == -1);
   CHECK(t.rc.sticks()->yaw == 1);
@@ -191,6 +191,36 @@ TEST_CASE("a pilot who was silent does not pilot any more, until he takes over a
   t.hear(State::kManual);  // an operator's
   CHECK_FALSE(t.rc.sticks());
   CHECK_FALSE(t.rc.pilots(t.now_us));
+}
+
+TEST_CASE("a throttle under 975 us is that of a receiver without its transmitter, not a pilot's") {
+  for (const std::uint16_t throttle : std::initializer_list<std::uint16_t>{800, 900, 950, 974}) {
+    for (const State state : {State::kHold, State::kFormation, State::kManual}) {
+      Transmitter t;
+      t.hear(state);
+      t.set(1500, throttle, 1900);
+      CHECK_FALSE(t.hear(state));
+      CHECK_FALSE(t.request());
+      CHECK_FALSE(t.rc.sticks());
+    }
+  }
+  Transmitter t;
+  t.set(1500, 975, 1900);
+  CHECK(t.hear(State::kHold));
+}
+
+TEST_CASE("another receiver may take the place of one that has sent no valid pulses for 0.5 s") {
+  Transmitter t;
+  t.set(1500, 1500, 1900);
+  CHECK(t.rc.hear(t.pulses, kSwitch, State::kManual, t.now_us, 140));
+  t.set(1500, 900, 1900);
+  for (int k = 0; k < 5; ++k) {
+    CHECK_FALSE(t.rc.hears(151, t.now_us));
+    t.now_us += 100'000;
+    CHECK_FALSE(t.rc.hear(t.pulses, kSwitch, State::kManual, t.now_us, 140));
+  }
+  CHECK(t.rc.hears(140, t.now_us));
+  CHECK(t.rc.hears(151, t.now_us));
 }
 
 TEST_CASE("invalid pulses, or a missing channel, are ignored") {
