@@ -24,6 +24,7 @@ from tests.target.stations import (
     ACCEPTED,
     ARM,
     FORMATION,
+    HOLD,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,
@@ -162,9 +163,10 @@ def test_a_parameter_set_after_a_disarm_is_accepted_as_on_a_disarmed_boat(
 ) -> None:
     sea.enter_formation()
     sets = [param_set(name, 30.0) for name in ("THR_FWD_MAX", "THR_REV_MAX")]
-    say(sea, chunks, command_long(ARM, 0.0), *sets, command_long(ARM, 1.0))
-    assert acks(sea.step()) == [(ARM, ACCEPTED), (ARM, ACCEPTED)]
+    say(sea, chunks, command_long(ARM, 0.0), *sets)
+    assert acks(sea.step()) == [(ARM, ACCEPTED)]
     assert sea.boat.parameters()["THR_FWD_MAX"] == sea.boat.parameters()["THR_REV_MAX"] == 30
+    assert acks(sea.arm()) == [(ARM, ACCEPTED)]
     assert sea.state == "HOLD" and sea.commands == (0, 0)
 
 
@@ -277,18 +279,43 @@ def test_a_disarm_and_a_strangers_termination_behind_24_pings_both_stop_the_boat
         sea.enter_formation()
 
 
-def test_a_disarm_between_other_orders_of_one_tick_stops_the_boat_all_the_same() -> None:
-    """ESCs must see zeros after a disarm before they are driven again."""
+STOPS = {
+    "disarm": (command_long(ARM, 0.0), "DISARMED"),
+    "HOLD": (command_long(SET_MODE, 1.0, float(HOLD)), "HOLD"),
+    "terminate": (command_long(TERMINATE, 1.0), "FAULT"),
+}
+
+
+@TOGETHER
+@pytest.mark.parametrize("stop", STOPS)
+def test_a_stop_wins_over_the_orders_behind_it_in_the_same_tick(stop: str, chunks: int) -> None:
     sea = Sea(leader=TURN)
     sea.enter_formation()
     sea.run(2.0)
     assert any(sea.step().commands)
-    sea.say(
-        command_long(ARM, 0.0),
-        command_long(ARM, 1.0),
-        command_long(SET_MODE, 1.0, float(FORMATION)),
-    )
-    ticks = [sea.step() for _ in range(20)]
-    assert sea.state == "FORMATION"
-    assert not any(any(tick.commands) for tick in ticks)
+    message, state = STOPS[stop]
+    form = command_long(SET_MODE, 1.0, float(FORMATION))
+    say(sea, chunks, message, command_long(ARM, 1.0), form, command_long(ARM, 1.0, confirmation=1))
+    tick = sea.step()
+    rejected = [(ARM, TEMPORARILY_REJECTED), (SET_MODE, TEMPORARILY_REJECTED)]
+    assert acks(tick) == [(message.command, ACCEPTED), *rejected, rejected[0]]
+    assert any("just stopped" in text for text in texts([tick]))
+    assert sea.state == state
+    assert not any(any(tick.commands) for tick in [tick, *sea.run(1.0)])
+    assert sea.state == state
+    sea.disarm()
+    assert acks(sea.arm()) == [(ARM, ACCEPTED)], "the operator has seen the boat stop"
+    assert acks(sea.mode(FORMATION)) == [(SET_MODE, ACCEPTED)]
     assert any(any(tick.commands) for tick in sea.run(1.0))
+
+
+def test_an_order_behind_a_stop_that_had_to_wait_for_room_is_refused_too() -> None:
+    """Answers fill the tick of the stop; the order is answered in the next one."""
+    for n in range(21):
+        sea = Sea(links=1)
+        sea.enter_formation()
+        sea.say(
+            QUESTION, *[ping(k) for k in range(n)], command_long(ARM, 0.0), command_long(ARM, 1.0)
+        )
+        sea.run(0.5)
+        assert sea.state == "DISARMED", n

@@ -210,17 +210,19 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
   return mav::kAccepted;
 }
 
+/// A stop wins over a request that came behind it in the same tick: nobody has seen the boat stop.
 /// A request whose first copy was lost may arrive after a newer stop: on a slower link, or sent
-/// again after another operator's stop. The microcontroller's image has no room for this rule.
+/// again after another operator's stop. The microcontroller's image has no room for this last rule.
 void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked) {
-  if (FLOTILLA_KEEPS_FLEET == 0 || asked.request == Request::kNone) return;
+  if (asked.request == Request::kNone) return;
   const auto link = static_cast<std::uint8_t>(1U << pending.link);
   const bool others = pending.from != stop_.by;
-  const bool recent = now_us_ - stop_.us < 5 * kSecond_us;
+  const bool recent = FLOTILLA_KEEPS_FLEET != 0 && now_us_ - stop_.us < 5 * kSecond_us;
   if (!drives(asked.request)) {
     const auto links = static_cast<std::uint8_t>(others || !recent ? link : stop_.links | link);
     stop_ = {now_us_, pending.from, links};
-  } else if (recent && ((stop_.links & link) == 0 || (others && repeated))) {
+  } else if (pending.read_us <= stop_.us ||
+             (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
     asked = {mav::kTemporarilyRejected};
     asked.why = "boat was just stopped: ask again in 5 s";
   }

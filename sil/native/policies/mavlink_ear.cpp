@@ -260,7 +260,6 @@ void MavlinkEar::hear_command(Order order, link::Address from, link::Address tar
     const auto system = static_cast<float>(from.system);
     ++n.asked[Ask::kArm];
     if (p.MAV_GCS_SYSID == 0 || p.MAV_GCS_SYSID == system) ++n.asked[Ask::kArmAllowed];
-    n.heard.stop = false;
   } else if (command == mav::kCmdDoMotorTest) {
     ++n.asked[Ask::kTest];
   } else if (command == mav::kCmdDoFlightTermination) {

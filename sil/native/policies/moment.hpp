@@ -57,7 +57,7 @@ struct Heard {
   bool own = false, leader = false;      ///< a message of that system
   bool sticks = false, neutral = false;  ///< of any operator; within a tenth of neutral
   bool disarm = false;                   ///< in any form, to any system
-  bool stop = false;           ///< a command to disarm this boat, not undone by a later one
+  bool stop = false;           ///< a command to disarm this boat, with no termination behind it
   bool controller = false;     ///< another node commands or arms ESCs
   bool stop_switch = false;    ///< a Button or SafetyState of any value
   bool rebooted = false;       ///< an ESC's node
