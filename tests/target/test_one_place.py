@@ -195,24 +195,53 @@ def test_a_reset_of_the_estimate_does_not_hide_a_jump(agent: str, by: str) -> No
     assert any("jumps" in text for text in texts(sea.ticks))
 
 
-@pytest.mark.parametrize("near", [True, False])
-def test_a_lower_component_of_the_leader_counts_if_it_is_at_the_same_position(near: bool) -> None:
-    sea = sailing()
+@pytest.mark.parametrize("component", [5, 13])
+def test_no_other_component_of_the_leader_takes_the_place_of_the_one_that_is_heard(
+    component: int,
+) -> None:
+    """It begins at the leader's position and drifts off, too slowly for a jump."""
+    sea = Afloat({"FS_LEADER_ACT": 0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
     sea.leader.station = Station(LEADER, 9)
-    sea.disarm()
-    sea.run(2.0)
-    lower = Station(LEADER, 5)
-    for _ in range(60):
+    sea.enter_formation()
+    sea.run(8.0)
+    other = Station(LEADER, component)
+    for k in range(200):
+        there = sea.leader.truth(sea.now_us)
+        there = replace(there, east=there.east + 0.05 * k)
+        sea.say(origin(sea.now_us), *pair(there, sea.now_us), sender=other)
+        sea.run(0.05)
+    apart = sea.own.truth(sea.now_us).minus(sea.leader.truth(sea.now_us))
+    assert sea.state == "FORMATION" and math.hypot(*apart[:2]) < 1.0
+
+
+@pytest.mark.parametrize("near", [True, False])
+def test_another_component_of_a_silent_leader_counts_if_it_is_at_the_same_position(
+    near: bool,
+) -> None:
+    sea = sailing()
+    sea.leader.on = False
+    other = Station(LEADER, 5)
+    steady = set()
+    for k in range(60):
         there = sea.leader.truth(sea.now_us)
         there = there if near else replace(there, east=there.east + OFF_M)
-        sea.say(origin(sea.now_us), *pair(there, sea.now_us), sender=lower)
+        sea.say(origin(sea.now_us), *pair(there, sea.now_us), sender=other)
         sea.run(0.05)
-    assert sea.condition("leader_steady") == near
-    position = sea.snapshot()["error"]
-    assert math.hypot(position["x_m"], position["y_m"]) < 10.0
-    sea.say(odometry(Course(), sea.now_us), sender=sea.leader.station)  # counts no more, or jumps
-    sea.step()
-    assert sea.condition("leader_steady") == near
+        if 22 <= k < 38:
+            steady.add(sea.condition("leader_steady"))
+    assert steady == {near} and sea.state == "HOLD"
+
+
+def test_a_component_whose_global_position_is_unknown_gives_way_to_one_that_is_located() -> None:
+    sea = Sea(own=Course())
+    sea.leader.on = False
+    first, second = Station(LEADER, 9), Station(LEADER, 13)
+    for k in range(40):
+        sea.say(odometry(Course(5.0), sea.now_us), sender=first)
+        if k > 10:
+            sea.say(origin(sea.now_us), odometry(Course(1.0), sea.now_us), sender=second)
+        sea.run(0.05)
+    assert -sea.snapshot()["error"]["x_m"] == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_unit_that_restarts_somewhere_else_jumps() -> None:

@@ -70,11 +70,11 @@ def test_a_foreign_system_is_neither_own_state_nor_leader(sea: Sea, system: int)
     assert sea.snapshot()["own_age_s"] is None and sea.snapshot()["leader_age_s"] is None
 
 
-def test_the_lowest_component_of_the_leader_that_is_heard_counts() -> None:
+def test_the_leaders_component_that_was_heard_first_counts_until_it_is_silent() -> None:
     sea = Sea(own=Course())
     sea.leader.on = False
     nine, five, one = Station(LEADER, 9), Station(LEADER, 5), Station(LEADER, 1)
-    for speakers, expected in (([nine], 0.9), ([nine, five], 0.5), ([nine, five, one], 0.1)):
+    for speakers, expected in (([nine], 0.9), ([one, five, nine], 0.9), ([five, one], 0.5)):
         for _ in range(40):
             for speaker in speakers:
                 here = Course(0.1 * speaker.component)

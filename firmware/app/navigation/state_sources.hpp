@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Chooses, for one vessel, the component and the kind of message whose states are used.
+// Chooses, for one component of a vessel, the kind of message whose states are used.
 #pragma once
 
 #include <array>
@@ -14,12 +14,11 @@ namespace flotilla::app {
 /// The most precise first.
 enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGlobalPosition };
 
-/// Uses the component with the lowest id that sends whole states, and another one once that is
-/// silent. Of the component's sources it uses the most precise one received; a local source without
-/// a known origin ranks last. The source in use is replaced after `patience_us` of silence, or by a
-/// better one received five times in a row; a prompt source is better than a late one. Each source
-/// has its own clock, because the stamps of two sources need not count from the same instant; but if
-/// they differ by 0.3 s to 15 s, the source that seems late is taken to be so.
+/// Of the component's sources it uses the most precise one received; a local source without a known
+/// origin ranks last. The source in use is replaced after `patience_us` of silence, or by a better
+/// one received five times in a row; a prompt source is better than a late one. Each source has its
+/// own clock, because the stamps of two sources need not count from the same instant; but if they
+/// differ by 0.3 s to 15 s, the source that seems late is taken to be so.
 class StateSources {
  public:
   explicit StateSources(std::int64_t patience_us) : patience_us_(patience_us) {}
@@ -29,10 +28,6 @@ class StateSources {
   ClockOffset& clock() { return heard(in_use_).clock; }
   const ClockOffset& clock() const { return heard(in_use_).clock; }
 
-  /// Whether this component should replace the one in use; silent: that one sends nothing.
-  bool better(std::uint8_t component, bool silent) const {
-    return component_ == 0 || component < component_ || (component != component_ && silent);
-  }
   void change_to(std::uint8_t component);
 
   /// A message of the component in use was received; `accepted`: the source in use has given a

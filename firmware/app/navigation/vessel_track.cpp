@@ -138,7 +138,7 @@ void VesselTrack<S>::choose(State state, const Arrival& arrival) {
   const auto& [from, now_us, counters] = arrival;
   const std::int64_t stamp_us = state.sample.stamp_us;
   if (from != component()) {
-    if (!may_choose(from, now_us) || !judge_next(state, arrival)) return;
+    if (!may_change(state.sample, arrival) || !judge_next(state, arrival)) return;
     component_changed(from, state.heading);
   }
   if (state.resets && sources_.is_reset(*state.resets, stamp_us)) {
@@ -155,23 +155,19 @@ void VesselTrack<S>::choose(State state, const Arrival& arrival) {
   accept(state, arrival);
 }
 
+/// Whether the sender of this sample may become the component in use.
 template <class S>
-bool VesselTrack<S>::may_choose(std::uint8_t component, std::int64_t now_us) const {
-  const bool silent = stamps_.silent(now_us);
-  const bool kept = identity_.keeps && this->component() != 0;
-  return kept ? silent && !held_ : sources_.better(component, silent);
+bool VesselTrack<S>::may_change(const convert::Sample<S>& sample, const Arrival& arrival) const {
+  if (component() == 0) return true;
+  const bool better = !origins_.located() && origins_.place_of(sample, arrival.component);
+  return !held_ && (better || stamps_.silent(arrival.now_us));
 }
 
 /// Judges the first state of another component or source; true if it is plausible after the last
-/// one. Counts a refusal; an accepted jump ends the motion. A state that cannot be compared must
-/// wait until the one in use is silent.
+/// one. Counts a refusal; an accepted jump ends the motion.
 template <class S>
 bool VesselTrack<S>::judge_next(const State& state, const Arrival& arrival) {
   const auto& [from, now_us, counters] = arrival;
-  if (from != component() && plane_ && !origins_.place_of(state.sample, from) &&
-      !stamps_.silent(now_us)) {
-    return false;
-  }
   const Jump jump = jump_across(state.sample, from, now_us);
   if (jump == Jump::kMoved) moved();
   if (jump == Jump::kRefused) ++counters.mavlink_jump;
@@ -232,7 +228,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   using Stamp = StampFilter::Verdict;
   const auto& [from, now_us, counters] = arrival;
   const std::int64_t stamp_us = state.sample.stamp_us;
-  const Stamp stamp = stamps_.judge(stamp_us, now_us, identity_.keeps);
+  const Stamp stamp = stamps_.judge(stamp_us, now_us, identity_.one_link);
   convert::Sample<S> placed = origins_.in_plane(state.sample);
   if (stamp == Stamp::kLate) {
     stamps_.refuse(stamp_us);
@@ -256,7 +252,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   // Regularly late states of a unit with one link mean that its clock was set back, unless TIMESYNC
   // contradicts that. Other vessels' states may instead have been overtaken on a faster link that
   // is now silent.
-  if (identity_.keeps && stamps_.regularly_late() && !bounded()) sources_.reset_clock();
+  if (identity_.one_link && stamps_.regularly_late() && !bounded()) sources_.reset_clock();
   const bool moves = reframed_ && !state.sample.at;  // an anchor stays
   if (far || moves || !origins_.is_of_kind(state.sample)) {
     reframed_ = true;

@@ -19,8 +19,9 @@
 
 namespace flotilla::app {
 
-/// Follows one system id by the states that StateSources chooses: ODOMETRY, LOCAL_POSITION_NED +
-/// ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE. StampFilter refuses late ones,
+/// Follows one system id by its first component whose global position is known, until that is
+/// silent, and by the states that StateSources chooses: ODOMETRY, LOCAL_POSITION_NED + ATTITUDE,
+/// FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE. StampFilter refuses late ones,
 /// JumpGuard implausible ones, except after an event that ends the track's motion.
 template <class S>
 class VesselTrack {
@@ -30,7 +31,7 @@ class VesselTrack {
     std::uint8_t ignored_component;      ///< 0: none
     std::int64_t patience_us = 500'000;  ///< silence after which another source is chosen
     std::int64_t frozen_us = 700'000;    ///< repetition of one state that counts as frozen
-    bool keeps = false;                  ///< keeps its first component until that is silent
+    bool one_link = false;               ///< its states come over one link only
     std::uint8_t only = 0;               ///< the only component; 0: any
   };
   struct Antenna {
@@ -49,7 +50,7 @@ class VesselTrack {
   /// the old one.
   void follow(std::uint8_t system, std::uint8_t only = 0);
 
-  /// While held, no other component is chosen even if the one in use is silent. Only with `keeps`.
+  /// While held, no other component is chosen even if the one in use is silent.
   void hold(bool held) { held_ = held; }
 
   /// A state was accepted just now.
@@ -179,7 +180,7 @@ class VesselTrack {
   template <class Message>
   void take_joined(Source source, const Message& message, const Arrival& arrival);
   void choose(State state, const Arrival& arrival);
-  bool may_choose(std::uint8_t component, std::int64_t now_us) const;
+  bool may_change(const convert::Sample<S>& sample, const Arrival& arrival) const;
   bool judge_next(const State& state, const Arrival& arrival);
   using Jump = typename JumpGuard<S>::Verdict;
   Jump jump_of(const convert::Sample<S>& sample, const convert::Sample<S>& placed,

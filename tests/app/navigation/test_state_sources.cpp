@@ -157,16 +157,6 @@ TEST_CASE("a local position without a known origin ranks below every global one"
   CHECK(r.sources.in_use() == kOdometry);
 }
 
-TEST_CASE("the lowest component is preferred; another one is used only while it is silent") {
-  StateSources sources(500'000);
-  CHECK(sources.better(2, false));
-  sources.change_to(2);
-  CHECK_FALSE(sources.better(2, true));
-  CHECK_FALSE(sources.better(3, false));
-  CHECK(sources.better(3, true));
-  CHECK(sources.better(1, false));
-}
-
 TEST_CASE("a source whose stamps went back while another was used reports a reboot, once") {
   Rounds r;
   r.sail(10, {kGlobal, kFollow});
