@@ -82,17 +82,48 @@ def test_the_same_component_on_another_link_is_not_the_own_unit() -> None:
     assert sea.state == "FORMATION" and far_m < 2.0 and sea.counter("mavlink_jump") == 0
 
 
-def test_a_disarmed_boat_takes_another_unit_when_its_own_is_silent() -> None:
+@pytest.mark.parametrize(("component", "link"), [(10, 0), (10, 1), (NAVIGATION, 1)])
+def test_a_disarmed_boat_takes_another_unit_only_half_a_minute_after_its_own_was_lost(
+    component: int, link: int
+) -> None:
     sea = Sea(links=2)
     sea.run(1.0)
     sea.own.on = False
-    other = Station(BOAT, 10)
-    for _ in range(60):
-        sea.say(origin(sea.now_us), odometry(sea.own.course, sea.now_us), sender=other, link=1)
-        sea.run(0.05)
+    other = Station(BOAT, component)
+
+    def sail_beside_another(seconds: float) -> set[bool]:
+        seen = set()
+        for _ in range(round(20 * seconds)):
+            there = replace(sea.own.course, north=OFF_M)
+            sea.say(origin(sea.now_us), odometry(there, sea.now_us), sender=other, link=link)
+            sea.run(0.05)
+            seen.add(sea.condition("own_fresh"))
+        return seen
+
+    sail_beside_another(1.0)
+    assert sail_beside_another(28.0) == {False}
+    if link == 1:
+        assert "own states ignored: disarm, or set NAV_LINK" in texts(sea.ticks)
+    sail_beside_another(4.0)
     assert sea.condition("own_fresh")
     sea.arm()
     assert sea.state == "HOLD"
+
+
+def test_an_own_unit_that_restarts_beside_a_namesake_is_the_own_unit_again() -> None:
+    sea = Sea(links=2)
+    sea.run(1.0)
+    other = Station(BOAT, 10)
+    sea.own.on = False
+    for k in range(500):
+        there = replace(sea.own.course, north=OFF_M)
+        sea.say(origin(sea.now_us), odometry(there, sea.now_us), sender=other, link=1)
+        if k == 400:
+            sea.own.clock_offset_us = -sea.now_us
+            sea.own.on = True
+        sea.run(0.05)
+    assert sea.condition("own_fresh") and sea.condition("own_steady")
+    assert sea.own_course().north == pytest.approx(sea.own.course.north, abs=0.1)
 
 
 @pytest.mark.parametrize("pin", [{"NAV_COMPID": 10.0}, {"NAV_LINK": 1.0}])

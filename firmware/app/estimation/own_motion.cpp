@@ -33,8 +33,7 @@ void OwnMotion<S>::configure(const convert::Law<S>& law,
   track_.set_antenna({law.antenna.x, law.antenna.y});
   named_link_ = navigation.link;
   if (std::exchange(limits_, navigation.quality) != limits_) quality_ = {};
-  if (own_system != track_.system()) link_.reset();
-  track_.follow(own_system, navigation.component);
+  if (track_.follow(own_system, navigation.component)) link_.reset();
 }
 
 template <class S>
@@ -65,7 +64,7 @@ std::optional<link::GpsRawInt> OwnMotion<S>::gps(std::int64_t now_us) const {
 
 template <class S>
 bool OwnMotion<S>::may_be_own(std::size_t link, std::int64_t now_us) const {
-  if (!named_link_ && !armed_ && (!link_ || track_.silent(now_us))) return true;
+  if (!named_link_ && !armed_ && (!link_ || track_.gone(now_us))) return true;
   return (named_link_ || link_) && !is_elsewhere(link);
 }
 

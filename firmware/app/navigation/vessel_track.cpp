@@ -19,8 +19,8 @@ S carried(std::int64_t us) {
 }  // namespace
 
 template <class S>
-void VesselTrack<S>::follow(std::uint8_t system, std::uint8_t only) {
-  if (system == identity_.system && only == identity_.only) return;
+bool VesselTrack<S>::follow(std::uint8_t system, std::uint8_t only) {
+  if (system == identity_.system && only == identity_.only) return false;
   VesselTrack next(identity_, antenna_);
   next.identity_.system = system;
   next.identity_.only = only;
@@ -29,6 +29,7 @@ void VesselTrack<S>::follow(std::uint8_t system, std::uint8_t only) {
   next.set_smoothing(filter_.smooths());
   next.set_lag(lag_us_);
   *this = next;
+  return true;
 }
 
 template <class S>
@@ -160,7 +161,8 @@ template <class S>
 bool VesselTrack<S>::may_change(const convert::Sample<S>& sample, const Arrival& arrival) const {
   if (component() == 0) return true;
   const bool better = !origins_.located() && origins_.place_of(sample, arrival.component);
-  return !held_ && (better || stamps_.silent(arrival.now_us));
+  const bool lost = identity_.one_link ? gone(arrival.now_us) : stamps_.silent(arrival.now_us);
+  return !held_ && (better || lost);
 }
 
 /// Judges the first state of another component or source; true if it is plausible after the last

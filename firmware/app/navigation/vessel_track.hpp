@@ -20,9 +20,10 @@
 namespace flotilla::app {
 
 /// Follows one system id by its first component whose global position is known, until that is
-/// silent, and by the states that StateSources chooses: ODOMETRY, LOCAL_POSITION_NED + ATTITUDE,
-/// FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE. StampFilter refuses late ones,
-/// JumpGuard implausible ones, except after an event that ends the track's motion.
+/// silent (with `one_link`: gone), and by the states that StateSources chooses: ODOMETRY,
+/// LOCAL_POSITION_NED + ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE. StampFilter
+/// refuses late ones, JumpGuard implausible ones, except after an event that ends the track's
+/// motion.
 template <class S>
 class VesselTrack {
  public:
@@ -31,7 +32,7 @@ class VesselTrack {
     std::uint8_t ignored_component;      ///< 0: none
     std::int64_t patience_us = 500'000;  ///< silence after which another source is chosen
     std::int64_t frozen_us = 700'000;    ///< repetition of one state that counts as frozen
-    bool one_link = false;               ///< its states come over one link only
+    bool one_link = false;               ///< its states come over one link, of one component
     std::uint8_t only = 0;               ///< the only component; 0: any
   };
   struct Antenna {
@@ -46,9 +47,9 @@ class VesselTrack {
 
   std::uint8_t system() const { return identity_.system; }
 
-  /// Follows another vessel, or another of its components (0: any); discards everything known of
-  /// the old one.
-  void follow(std::uint8_t system, std::uint8_t only = 0);
+  /// Follows another vessel, or another of its components (0: any), and then discards everything
+  /// known of the old one. False if it is the same.
+  bool follow(std::uint8_t system, std::uint8_t only = 0);
 
   /// While held, no other component is chosen even if the one in use is silent.
   void hold(bool held) { held_ = held; }
@@ -63,7 +64,8 @@ class VesselTrack {
   }
   /// Changes whenever the latency of the states may have changed unnoticed.
   std::uint8_t clock_resets() const { return sources_.clock_resets(); }
-  bool silent(std::int64_t now_us) const { return stamps_.silent(now_us); }
+  /// Nothing has been accepted for half a minute, longer than a unit needs to restart.
+  bool gone(std::int64_t now_us) const { return now_us - stamps_.arrived_us() > 30'000'000; }
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
 
