@@ -11,6 +11,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.dialect import dialect
 from tests.target.course import Course
+from tests.target.hull import Afloat
 from tests.target.plans import at
 from tests.target.sea import Sea, acks
 from tests.target.stations import (
@@ -128,6 +129,27 @@ def test_a_boat_yields_to_a_vessel_ahead_reports_the_distance_and_then_continues
     after = sea.snapshot()
     assert not after["limited"]["yielding"] and after["separation_m"] is None
     assert after["virtual_velocity"]["u_mps"] > 0.9 * ahead["u_mps"]
+
+
+@pytest.mark.parametrize("apart_s", [0.0, 5.0, -5.0, 600.0])
+def test_a_boat_keeps_clear_of_both_of_two_vessels_with_one_system_id(apart_s: float) -> None:
+    """Moored: one in the way, the other far off; apart_s lie between the starts of their clocks."""
+    sea = Afloat({"FS_SEP_M": LEAST_M}, leader=LEADER)
+    sea.enter_formation()
+    places = [Course(12.0, 0.2), Course(12.0, 60.0)]
+    twins = [Station(STRANGER), Station(STRANGER)]
+    nearest_m = math.inf
+    for k in range(600):
+        place, twin = places[k % 2], twins[k % 2]
+        clock_us = sea.now_us + 10**9 + round(1e6 * apart_s) * (k % 2)
+        if k % 20 < 2:
+            sea.say(heartbeat(), origin(clock_us), sender=twin)
+        sea.say(local_position(place, clock_us), sender=twin)
+        sea.run(0.05)
+        here = sea.hull.seen
+        nearest_m = min(nearest_m, math.hypot(here.north - 12.0, here.east - 0.2))
+    assert sea.state == "FORMATION" and sea.hull.seen.north > 15.0
+    assert nearest_m > 0.9 * LEAST_M
 
 
 @pytest.mark.parametrize(

@@ -188,7 +188,8 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   const auto v_n =
       core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   const double north_m = -convert::number(apart_n.x), east_m = -convert::number(apart_n.y);
-  Vessel* vessel = find(id);
+  const convert::Position seen_at{own.north_m - apart_n.x, own.east_m - apart_n.y, own.origin};
+  Vessel* vessel = find_at(id, seen_at, seen.stamp_us, now_us);
   if (vessel == nullptr) {
     const double comes_m =
         to_hull_m(nearest_m(north_m, east_m, convert::number(v_n.x), convert::number(v_n.y)),
@@ -204,8 +205,8 @@ Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Samp
   }
   if (!newest) return nullptr;
   vessel->located = true;
-  vessel->north_m = own.north_m - apart_n.x;
-  vessel->east_m = own.east_m - apart_n.y;
+  vessel->north_m = seen_at.north_m;
+  vessel->east_m = seen_at.east_m;
   vessel->v_north_mps = static_cast<float>(convert::number(v_n.x));
   vessel->v_east_mps = static_cast<float>(convert::number(v_n.y));
   return vessel;
@@ -266,6 +267,37 @@ void Neighbours::look_from(const convert::Position& own) {
 Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
   auto* const found = std::ranges::find_if(vessels_, [=](const Vessel& v) { return v.id == id; });
   return found == vessels_.end() ? nullptr : found;
+}
+
+/// The entry of the vessel at this place, or one that is forgotten. If two vessels use one system
+/// id, each has its own entry: a place that the last state cannot lead to, nor come from if this one
+/// is late, is another vessel's. The microcontroller's image has no room for this rule.
+Neighbours::Vessel* Neighbours::find_at(std::uint32_t id, const convert::Position& place,
+                                        std::int64_t stamp_us, std::int64_t now_us) {
+  if (FLOTILLA_LOOKS_AHEAD == 0 || id > kLastSystem) return find(id);
+  constexpr double kSlack_m = 10, kTurns = 0.5;  // of the way since then
+  constexpr double kLongest_s = 30;
+  Vessel *best = nullptr, *forgotten = nullptr;
+  double nearest_m = 0;
+  for (Vessel& v : vessels_) {
+    if (v.id != id) continue;
+    if (!counts(v, now_us)) {
+      forgotten = &v;
+      continue;
+    }
+    const std::int64_t last_us = v.true_us - v.ahead_us;
+    const std::int64_t later_us = (stamp_us == 0 ? now_us - v.ahead_us : stamp_us) - last_us;
+    const double s = std::clamp(1e-6 * static_cast<double>(later_us), -kLongest_s, kLongest_s);
+    const double v_north_mps = double{v.v_north_mps}, v_east_mps = double{v.v_east_mps};
+    const double off_m =
+        portable::hypot(convert::number(place.north_m - v.north_m) - s * v_north_mps,
+                        convert::number(place.east_m - v.east_m) - s * v_east_mps) -
+        kTurns * std::abs(s) * portable::hypot(v_north_mps, v_east_mps);
+    if (off_m > (best == nullptr ? kSlack_m : nearest_m)) continue;
+    best = &v;
+    nearest_m = off_m;
+  }
+  return best != nullptr ? best : forgotten;
 }
 
 double Neighbours::comes_m(const Vessel& v, const convert::Position& own) {

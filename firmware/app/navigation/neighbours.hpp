@@ -21,6 +21,8 @@ namespace flotilla::app {
 /// stations, companions and gimbals do not count. When full, keeps the vessels that come nearest;
 /// forgets silent ones.
 ///
+/// Two vessels with one system id have two entries while they are far enough apart.
+///
 /// The delay of a state beyond that of the vessel's promptest messages adds to its age, up to 30 s.
 /// The delay that all its messages share is not measured, but assumed to be 0.1 s.
 ///
@@ -125,6 +127,8 @@ class Neighbours {
   template <class S>
   void look_from(const convert::Position& own);
   Vessel* find(std::uint32_t id);
+  Vessel* find_at(std::uint32_t id, const convert::Position& place, std::int64_t stamp_us,
+                  std::int64_t now_us);
   /// How near a vessel comes to us, m.
   static double comes_m(const Vessel& vessel, const convert::Position& own);
   Vessel* place_for(std::uint32_t id, double near_m, const convert::Position& own,

@@ -84,7 +84,12 @@ TEST_CASE("a vessel whose clock is set back is predicted from its last state unt
   w.ahead_us -= 15 * kSecond_us;
   for (std::int64_t us = 20 * kSecond_us; us < 34 * kSecond_us; us += kSecond_us) {
     w.tell(us, us);
-    CHECK(w.off_m(us + 500'000) == doctest::Approx(0).epsilon(0.25));
+    const auto seen = w.look(us + 500'000);
+    CHECK(seen.count == (us < 23 * kSecond_us ? 2 : 1));  // its new clock may be another vessel's
+    for (std::size_t k = 0; k < seen.count; ++k) {
+      const double off_m = seen.vessels[k].p_n.x - 2e-6 * static_cast<double>(us + 500'000) - 0.2;
+      CHECK(off_m == doctest::Approx(0).epsilon(0.25));
+    }
   }
 }
 
@@ -179,6 +184,50 @@ TEST_CASE("a clock slower than ours for hours does not age its vessel") {
   CHECK(w.look(kHours_us).vessels[0].p_n.x == doctest::Approx(0.2).epsilon(0.05));
 }
 
+TEST_CASE("two vessels with one system id both count, whatever the time between their starts") {
+  for (const std::int64_t apart_us :
+       {0 * kSecond_us, 5 * kSecond_us, -5 * kSecond_us, 400 * kSecond_us, -400 * kSecond_us}) {
+    CAPTURE(apart_us);
+    Sailing one;
+    const auto tell_other = [&](double north_m, std::int64_t now_us) {
+      link::GlobalPositionInt m = at(north_m, 60, -1, 0);
+      m.time_boot_ms = static_cast<std::uint32_t>((now_us + one.ahead_us + apart_us) / 1000);
+      one.hear(5, m, now_us);
+    };
+    one.ahead_us = 1000 * kSecond_us;
+    for (std::int64_t us = 0; us < 20 * kSecond_us; us += 200'000) {
+      one.tell(us, us);
+      tell_other(20 - 1e-6 * static_cast<double>(us), us + 100'000);
+    }
+    const auto seen = one.look(20 * kSecond_us);
+    REQUIRE(seen.count == 2);
+    CHECK(seen.vessels[0].p_n.x == doctest::Approx(40.2).epsilon(0.02));
+    CHECK(seen.vessels[1].p_n.y == doctest::Approx(60).epsilon(0.02));
+    CHECK(seen.vessels[1].stranger);
+    CHECK(one.look(24 * kSecond_us).count == 0);
+  }
+}
+
+TEST_CASE("one vessel is never two: fast or slow, late or not") {
+  for (const double speed_mps : {0.0, 2.0, 8.0}) {
+    Watch w;
+    w.hear(5, beat());
+    const auto tell = [&](std::int64_t true_us, std::int64_t now_us) {
+      const double t_s = 1e-6 * static_cast<double>(true_us), turn = 0.05 * t_s;
+      link::GlobalPositionInt m =
+          at(speed_mps / 0.05 * std::sin(turn), speed_mps / 0.05 * (1 - std::cos(turn)),
+             speed_mps * std::cos(turn), speed_mps * std::sin(turn));
+      m.time_boot_ms = static_cast<std::uint32_t>((true_us + 1000 * kSecond_us) / 1000);
+      w.hear(5, m, now_us);
+    };
+    for (std::int64_t us = 0; us < 120 * kSecond_us; us += 1'000'000) {
+      tell(us, us);
+      if (us >= 10 * kSecond_us) tell(us - 10 * kSecond_us, us);
+      CHECK(w.look(us).count == 1);
+    }
+  }
+}
+
 TEST_CASE("a vessel alongside is not clear of us although one with its system id is far away") {
   Watch w;
   w.hear(5, beat());
@@ -199,7 +248,7 @@ TEST_CASE("a vessel alongside is not clear of us although one with its system id
       CHECK_FALSE(clear(us + 100'000));
     }
   }
-  CHECK(w.neighbours.late(10 * kSecond_us) == 5);
+  CHECK(w.look(10 * kSecond_us).count == 2);
   CHECK(clear(13 * kSecond_us));
 }
 
