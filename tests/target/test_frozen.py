@@ -3,15 +3,28 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 from typing import Any
 
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course
 from tests.target.hull import Afloat, Hull, s_curve
+from tests.target.operator_words import command_int
+from tests.target.plans import at
 from tests.target.sea import Sea, texts
-from tests.target.stations import FORMATION
+from tests.target.stations import (
+    BOAT,
+    FORMATION,
+    NAVIGATION,
+    Station,
+    attitude,
+    gps,
+    odometry,
+    origin,
+)
 
 
 def sailing(own_period_us: int = 50_000) -> Afloat:
@@ -114,3 +127,75 @@ def test_a_position_that_stops_changing_is_frozen_even_if_the_velocity_changes()
     )
     seconds_until(sea, "own_live", False, 1.0)
     assert sea.state == "HOLD"
+
+
+def guided(own_period_us: int = 50_000) -> Afloat:
+    """A boat without a leader that sails by itself to a place 60 m north."""
+    sea = Afloat({"LAW_U_MAX": 1.5}, own_period_us=own_period_us)
+    sea.leader.on = False
+    sea.enter_hold()
+    place = at(60.0, 0.0)
+    sea.say(command_int(192, -1.0, 1.0, x=place.x, y=place.y, frame=5))
+    sea.run(10.0)
+    assert sea.state == "GUIDED" and sea.hull.q[3] > 0.4
+    return sea
+
+
+@pytest.mark.parametrize("noise_m", [1e-5, 0.005, 0.02])
+@pytest.mark.parametrize("sailing", [sailing, guided], ids=["FORMATION", "GUIDED"])
+def test_a_place_that_is_frozen_but_for_noise_stops_the_boat_within_ten_seconds(
+    sailing: Any, noise_m: float
+) -> None:
+    sea = sailing()
+    here, rng = sea.own.truth(sea.now_us), random.Random(3)
+    sea.own.measured = lambda now_us: replace(
+        sea.own.truth(now_us),
+        north=here.north + rng.gauss(0.0, noise_m),
+        east=here.east + rng.gauss(0.0, noise_m),
+    )
+    seconds_until(sea, "own_live", False, 10.0)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    sea.run(60.0)  # the boat rests, and only another place shows that the unit is live
+    assert not sea.condition("own_live")
+    del sea.own.measured
+    seconds_until(sea, "own_live", True, 1.5)
+
+
+@pytest.mark.parametrize("sailing", [sailing, guided], ids=["FORMATION", "GUIDED"])
+@pytest.mark.parametrize("speed", [0.0, None], ids=["no velocity", "the last velocity"])
+def test_a_unit_that_hangs_while_its_heading_lives_stops_the_boat_within_ten_seconds(
+    sailing: Any, speed: float | None
+) -> None:
+    """Its place varies by micrometres; its velocity is 0, or the last one."""
+    sea = sailing()
+    here = sea.own.truth(sea.now_us)
+    u, v = (here.u, here.v) if speed is None else (speed, speed)
+    sea.own.measured = lambda now_us: replace(
+        sea.own.truth(now_us),
+        north=here.north + 1e-6 * (now_us // 50_000 % 3),
+        east=here.east,
+        u=u,
+        v=v,
+    )
+    sea.run(10.0)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+
+
+def test_a_unit_that_hangs_and_sends_two_kinds_of_messages_in_turn_stops_the_boat() -> None:
+    """Each comes 0.35 s after the other, when the boat has given that one up."""
+    sea = guided()
+    sea.own.on = False
+    here, unit = sea.own.truth(sea.now_us), Station(BOAT, NAVIGATION)
+    place, (north, east) = at(here.north, here.east), here.velocity_n
+    for k in range(29):
+        sea.say(origin(sea.now_us), gps(), sender=unit)
+        if k % 2:
+            sea.say(odometry(here, sea.now_us), sender=unit)
+        else:
+            boot_ms, velocity = sea.now_us // 1000, (round(100 * north), round(100 * east), 0)
+            position = mavlink.MAVLink_global_position_int_message(
+                boot_ms, place.x, place.y, 0, 0, *velocity, 65535
+            )
+            sea.say(attitude(here, sea.now_us), position, sender=unit)
+        sea.run(0.35)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)

@@ -11,9 +11,11 @@
 namespace flotilla::app {
 
 /// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
-/// heading likewise despite a yaw rate, or the whole state while the propellers push. A vessel at
-/// rest that reports no velocity is not frozen. A vessel that has never moved may be held in place,
-/// so it gets 5 s; in the last case 8 s of thrust, for simulated boats are held while they start.
+/// heading likewise despite a yaw rate, or the whole state while the propellers push. A position
+/// with noise is frozen if it stays within 0.15 m for 2 s, while the velocity leads 1 m away; then
+/// only another position shows that it is live again. A vessel at rest that reports no velocity is
+/// not frozen. A vessel that has never moved may be held in place, so it gets 5 s; while the
+/// propellers push, 8 s of thrust, for simulated boats are held while they start.
 template <class S>
 class Liveness {
  public:
@@ -25,11 +27,15 @@ class Liveness {
     const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
     const bool heads = sample.psi_rad == psi_rad_;
     const core::Nu<S> nu = convert::nu_of(sample);
-    if (stays) {
-      place_.stay(core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v}), h);
+    if (is_near(sample.north_m, near_north_m_) && is_near(sample.east_m, near_east_m_)) {
+      const auto v_n = core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v});
+      if (!strays()) near_.stay(v_n, h);
+      place_.stay(v_n, h);
     } else {
-      place_ = {};
+      near_ = {};
+      near_north_m_ = sample.north_m, near_east_m_ = sample.east_m;
     }
+    if (!stays) place_ = {};
     if (heads) {
       heading_.stay({nu.r, S(0)}, h);
     } else {
@@ -37,7 +43,7 @@ class Liveness {
     }
     const bool same = stays && heads && nu.u == nu_.u && nu.v == nu_.v && nu.r == nu_.r;
     if (same) {
-      whole_.stay({}, h);
+      whole_.stay(h);
       if (!moved_ && !(kPushed < pushed_)) whole_.time = S(0);
       pushed_ = left_after(h) * pushed_;
     } else {
@@ -63,30 +69,47 @@ class Liveness {
   static constexpr S kTold = S(0.15);   ///< m, rad: well above any message's rounding
   static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
   static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: counts as at rest
-  static constexpr int kFew = 3;        ///< messages
+  static constexpr S kNear_s = S(2), kFar_m = S(1);
+  static constexpr Metres kNear_m = Metres(0.15);  ///< more than the noise of precise positions
+  static constexpr int kFew = 3;                   ///< messages
 
   static S left_after(S h) { return S(1) - core::min(kForgetting_per_s * h, S(1)); }
 
-  /// A repeated quantity, and how far its reported rate would have moved it since.
+  /// A repeated quantity.
   struct Stuck {
-    core::Vec2<S> way{};
     S time{};
     int repeats = 0;
 
-    void stay(const core::Vec2<S>& rate, S h) {
-      const S left = left_after(h);
-      way = {left * way.x + h * rate.x, left * way.y + h * rate.y};
+    void stay(S h) {
       time = core::min(time + h, S(2) * kHeld_s);
       repeats = std::min(repeats + 1, kFew);
     }
     bool lasts(S s) const { return time >= s && repeats == kFew; }
+  };
+
+  /// The same, and how far its reported rate would have moved it since.
+  struct Led : Stuck {
+    core::Vec2<S> way{};
+
+    void stay(const core::Vec2<S>& rate, S h) {
+      const S left = left_after(h);
+      way = {left * way.x + h * rate.x, left * way.y + h * rate.y};
+      Stuck::stay(h);
+    }
     /// The reported rate contradicts the repetition.
     bool contradicts() const { return core::hypot(way.x, way.y) > kTold; }
   };
 
+  static bool is_near(Metres a, Metres b) { return a - b < kNear_m && b - a < kNear_m; }
+
+  /// The velocity reported since the position came near here leads far away.
+  bool strays() const {
+    return near_.lasts(moved_ ? kNear_s : kHeld_s) && core::is_longer(near_.way, kFar_m);
+  }
+
   void judge(bool well) {
     const S most_s = moved_ ? patience_s_ : kHeld_s;
-    const bool frozen = (place_.lasts(most_s) && place_.contradicts()) ||
+    const bool frozen = strays() || (place_.lasts(most_s) && place_.contradicts()) ||
                         (heading_.lasts(most_s) && heading_.contradicts()) ||
                         (pushed_ > kPushed && whole_.lasts(moved_ ? patience_s_ : kPushedHeld_s));
     well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
@@ -94,10 +117,11 @@ class Liveness {
   }
 
   S patience_s_;
-  Metres north_m_, east_m_;
+  Metres north_m_, east_m_, near_north_m_, near_east_m_;
   S psi_rad_{};
   core::Nu<S> nu_{};
-  Stuck place_, heading_, whole_;
+  Led place_, near_, heading_;
+  Stuck whole_;
   S pushed_{};
   int well_ = 0;
   bool moved_ = false, live_ = true;

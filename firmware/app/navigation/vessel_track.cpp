@@ -269,13 +269,13 @@ void VesselTrack<S>::update(const State& state, convert::Sample<S>& placed, std:
   const std::int64_t stamp_us = placed.stamp_us;
   const std::int64_t since_us = stamps_.last_us() ? stamp_us - *stamps_.last_us() : 0;
   believe(placed, now_us);
-  liveness_.take(placed, convert::seconds<S>(std::min(since_us, kLongestRepeat_us)));
   ClockOffset& clock = sources_.clock();
   clock.heard(stamp_us, now_us);
   const std::int64_t true_us = stamp_us + clock.offset_us().value_or(0);
   // The stamps of two sources need not count from the same instant.
   const std::int64_t led_us =
       state.resumed_us ? std::max<std::int64_t>(true_us - *state.resumed_us, 1000) : since_us;
+  liveness_.take(placed, convert::seconds<S>(std::min(led_us, kLongestRepeat_us)));
   convert::move_to_reference_point(placed, antenna_.x_m, antenna_.y_m);
   filter_.take({placed.psi_rad, convert::nu_of(placed), convert::seconds<S>(led_us)},
                state.resumed_us.has_value());

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <array>
+#include <cmath>
+#include <random>
+#include <utility>
+
 #include "app/navigation/liveness.hpp"
 
 namespace flotilla::app {
@@ -132,6 +137,106 @@ TEST_CASE_TEMPLATE("a hull held from the beginning is frozen only after some sec
   CHECK(pushed.sail(20, true) == -1);
   CHECK(pushed.sail(60, true, 10) == doctest::Approx(8.2).epsilon(0.1));
   CHECK_FALSE(pushed.liveness.moved());
+}
+
+/// A boat that sails at a speed and turns at a rate, and its noisy unit.
+struct Noisy {
+  double speed_mps = 0, turn_radps = 0, period_s = 0.1;
+  double place_m = 0, drift_m = 0, drift_s = 60, velocity_mps = 0;  ///< noise, drift of the place
+  double dropped = 0;                                               ///< share of the states
+  bool frozen = false;  ///< the place, but for its noise
+  std::mt19937 random{5};
+  Liveness<double> liveness{0.3};
+  core::Vec2<double> place{}, drift{};
+  double psi = 0;
+
+  double normal() { return std::normal_distribution<double>()(random); }
+
+  /// Seconds until it is found frozen, or −1.
+  double sail(double seconds) {
+    double since_s = 0;
+    const double kept = std::exp(-period_s / drift_s);
+    const double fresh_m = drift_m * std::sqrt(1 - kept * kept);
+    for (double t = 0; t < seconds; t += period_s) {
+      psi = core::wrap_pi(psi + period_s * turn_radps);
+      if (!frozen) place.x += period_s * speed_mps * std::cos(psi);
+      if (!frozen) place.y += period_s * speed_mps * std::sin(psi);
+      drift = {kept * drift.x + fresh_m * normal(), kept * drift.y + fresh_m * normal()};
+      since_s += period_s;
+      if (since_s < 1 && std::uniform_real_distribution()(random) < dropped) continue;
+      convert::Sample<double> seen{};
+      seen.north_m = place.x + drift.x + place_m * normal();
+      seen.east_m = place.y + drift.y + place_m * normal();
+      seen.psi_rad = psi + 0.001 * normal();
+      seen.u_mps = speed_mps + velocity_mps * normal();
+      seen.v_mps = velocity_mps * normal();
+      seen.r_radps = turn_radps;
+      liveness.push(0.1 * since_s);
+      liveness.take(seen, since_s);
+      since_s = 0;
+      if (!liveness.live()) return t;
+    }
+    return -1;
+  }
+};
+
+TEST_CASE("a place that is frozen but for noise is found within ten seconds of sailing") {
+  for (const double noise_m : {1e-6, 0.005, 0.02}) {
+    for (const double speed_mps : {0.25, 0.5, 1.0, 2.0, -0.4}) {
+      for (const double period_s : {0.05, 0.1, 0.2, 0.5}) {
+        CAPTURE(noise_m);
+        CAPTURE(speed_mps);
+        CAPTURE(period_s);
+        Noisy boat{.speed_mps = speed_mps, .period_s = period_s, .place_m = noise_m};
+        CHECK(boat.sail(10) == -1);
+        boat.frozen = true;
+        const double after_s = boat.sail(20);
+        CHECK(after_s > 1);
+        CHECK(after_s < 10);
+      }
+    }
+  }
+}
+
+TEST_CASE("after it was frozen, a place counts as live only once it has changed") {
+  Noisy boat{.speed_mps = 0.5, .place_m = 0.001};
+  boat.sail(10);
+  boat.frozen = true;
+  REQUIRE(boat.sail(10) > 0);
+  boat.speed_mps = 0;
+  boat.sail(100);
+  for (int k = 0; k < 100; ++k) REQUIRE(boat.sail(1) == 0);
+  boat.place.x += 3;
+  for (int k = 0; k < 3; ++k) boat.sail(0.1);
+  CHECK(boat.sail(100) == -1);
+}
+
+TEST_CASE("a boat that moves, rests or is held is not frozen, whatever its unit's errors") {
+  for (const double speed_mps : {0.0, 0.05, 0.25, 0.6, 1.5}) {
+    for (const double turn_radps : {0.0, 0.1, 0.5, 3.0}) {
+      for (const double period_s : {0.05, 0.1, 0.2, 0.5}) {
+        for (const auto& [place_m, drift_m, drift_s] :
+             {std::array{1e-4, 0.0, 60.0}, std::array{0.02, 0.03, 60.0},
+              std::array{0.02, 0.03, 5.0}, std::array{1e-4, 0.5, 60.0},
+              std::array{0.1, 0.5, 10.0}}) {
+          CAPTURE(speed_mps);
+          CAPTURE(turn_radps);
+          CAPTURE(period_s);
+          CAPTURE(drift_m);
+          CAPTURE(drift_s);
+          Noisy boat{.speed_mps = speed_mps,
+                     .turn_radps = turn_radps,
+                     .period_s = period_s,
+                     .place_m = place_m,
+                     .drift_m = drift_m,
+                     .drift_s = drift_s,
+                     .velocity_mps = 0.05,
+                     .dropped = 0.5};
+          CHECK(boat.sail(600) == -1);
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
