@@ -169,3 +169,23 @@ def test_an_answer_on_another_link_than_the_units_says_nothing_of_its_age() -> N
                 answer = mavlink.MAVLink_timesync_message(late_ns, asked.ts1)
                 sea.say(answer, sender=Station(BOAT, NAVIGATION), link=1)
     assert not sea.condition("own_timed")
+
+
+@pytest.mark.parametrize("who", ["own", "leader"])
+def test_a_sender_whose_answers_stop_is_still_followed_and_its_late_states_are_late(
+    who: str,
+) -> None:
+    """Clocks may drift apart by 0.2 s in 17 minutes."""
+    sea = Sea({"NAV_LAG_S": -1.0, "FORM_LAG_S": -1.0, "FS_NAV_S": 0.2, "FS_LEADER_S": 0.2})
+    sea.own.answers_timesync = sea.leader.answers_timesync = True
+    sea.run(5.0)
+    sea.enter_formation()
+    sender = getattr(sea, who)
+    sender.answers_timesync = False
+    sea.period_us = 100_000  # a step for each message, to save time
+    for _ in range(20):
+        sea.run(60.0)
+        assert sea.state == "FORMATION" and sea.condition(f"{who}_timed")
+    sender.delay_us = 350_000
+    sea.run(10.0)
+    assert not sea.condition(f"{who}_fresh")

@@ -29,8 +29,10 @@ void ClockOffset::widen(std::int64_t now_us) {
       kPerMicrosecond_us;
   widened_us_ = now_us;
   if (upper_) *upper_ += by_us;
-  if (nearness_ != 0) nearness_ -= 2 * by_us;
-  if (next_ != 0) next_ -= 2 * by_us;
+  const std::uint32_t more_us = std::min(by_us, std::uint32_t{kMinute_us} - drifted_us_);
+  drifted_us_ = static_cast<std::uint16_t>(drifted_us_ + more_us);
+  if (nearness_ != 0) nearness_ -= 2 * more_us;
+  if (next_ != 0) next_ -= 2 * more_us;
 }
 
 void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
@@ -42,6 +44,8 @@ void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
 void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
   constexpr unsigned kAnswers = 16;  // twice as many last half a minute
   widen(now_us);
+  if (!is_answered()) nearness_ = next_ = 0;
+  drifted_us_ = 0;
   if (!upper_) return;
   const std::int64_t width_us = *upper_ - (sent_us - read_us);
   begins_anew_ = width_us < -kRounded_us;

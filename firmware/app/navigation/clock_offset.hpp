@@ -9,7 +9,9 @@
 // When the upper bound falls, either a message had less latency than all before it, or their clock
 // was set ahead or runs fast. So the lower bound falls by the same amount until an answer confirms
 // it. An answer counts for at most the next 32 answers, because their clock may have been set back
-// and ahead again.
+// and ahead again. After a minute without answers the distance of the bounds no longer grows: the
+// greatest possible latency of the promptest message remains known, and the stamps are judged like
+// those of a sender that never answers.
 #pragma once
 
 #include <cstdint>
@@ -41,6 +43,9 @@ class ClockOffset {
   /// TIMESYNC bounds the offset from below.
   bool was_answered() const { return nearness_ != 0; }
 
+  /// It has done so within the last minute.
+  bool is_answered() const { return was_answered() && drifted_us_ < kMinute_us; }
+
   /// The last answer contradicts the stamps, or took too long to be useful.
   bool disputed() const { return disputed_; }
 
@@ -59,6 +64,7 @@ class ClockOffset {
 
  private:
   static constexpr std::uint32_t kFarthest_us = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint16_t kMinute_us = 6'000;  ///< possible drift in a minute
 
   void widen(std::int64_t now_us);
   std::optional<std::int64_t> below_upper(std::uint32_t share) const;
@@ -67,6 +73,7 @@ class ClockOffset {
   std::optional<std::int64_t> upper_;
   // How near the lower bound is to the upper one, kFarthest_us minus their distance; 0: unknown.
   std::uint32_t nearness_ = 0, next_ = 0;  ///< by the last 16 to 31 answers, by the last 0 to 15
+  std::uint16_t drifted_us_ = 0;  ///< possible drift since the last answer, at most a minute's
   std::uint8_t answers_ = 0;
   bool disputed_ = false;
   bool begins_anew_ = false;  ///< with the next stamp: their clock was set

@@ -254,7 +254,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   // Regularly late states of a unit with one link mean that its clock was set back, unless TIMESYNC
   // contradicts that. Other vessels' states may instead have been overtaken on a faster link that
   // is now silent.
-  if (identity_.one_link && stamps_.regularly_late() && !bounded()) sources_.reset_clock();
+  if (identity_.one_link && stamps_.regularly_late() && !is_answered()) sources_.reset_clock();
   const bool moves = reframed_ && !state.sample.at;  // an anchor stays
   if (far || moves || !origins_.is_of_kind(state.sample)) {
     reframed_ = true;

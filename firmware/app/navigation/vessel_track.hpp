@@ -73,6 +73,8 @@ class VesselTrack {
   /// unknown.
   void set_lag(std::optional<std::int64_t> lag_us) { lag_us_ = lag_us; }
   bool bounded() const { return sources_.clock().was_answered(); }
+  /// TIMESYNC has bounded its clock within the last minute.
+  bool is_answered() const { return sources_.clock().is_answered(); }
 
   /// The age of its states is known, or there are none; otherwise age_us() counts from their
   /// arrival.

@@ -235,6 +235,40 @@ TEST_CASE("when messages get faster, the offset keeps its lower bound without a 
   CHECK(late.clock.was_answered());
 }
 
+TEST_CASE(
+    "hours after the last answer, prompt messages still count as prompt, and late ones as late") {
+  for (const double drift : {-50.0, 0.0, 50.0}) {
+    CAPTURE(drift);
+    Radio radio{kHour_us, drift, 30'000, 20'000.0};
+    const auto greatest_age_us = [&](const ClockOffset& clock, std::int64_t sent_us) {
+      return sent_us + radio.delay_us - (radio.theirs(sent_us) + *clock.least_us());
+    };
+    ClockOffset clock;
+    radio.talk(clock, 0, 20'000'000, true);
+    CHECK(clock.is_answered());
+    radio.talk(clock, 20'000'000, 5 * kHour_us, false);
+    CHECK(clock.was_answered());
+    CHECK_FALSE(clock.is_answered());
+    CHECK(greatest_age_us(clock, 5 * kHour_us) >= radio.delay_us);
+    CHECK(greatest_age_us(clock, 5 * kHour_us) < 150'000);
+    radio.delay_us = 700'000;
+    radio.talk(clock, 5 * kHour_us, 5 * kHour_us + 600'000'000, false);
+    CHECK(greatest_age_us(clock, 5 * kHour_us + 600'000'000) > 600'000);
+  }
+}
+
+TEST_CASE("an answer counts as recent for a minute") {
+  Radio radio;
+  ClockOffset clock;
+  radio.talk(clock, 0, 20'000'000, true);
+  radio.talk(clock, 20'000'000, 78'000'000, false);
+  CHECK(clock.is_answered());
+  radio.talk(clock, 78'000'000, 81'000'000, false);
+  CHECK_FALSE(clock.is_answered());
+  radio.talk(clock, 81'000'000, 83'000'000, true);
+  CHECK(clock.is_answered());
+}
+
 TEST_CASE("an answer of an hour ago counts no more than the drift since then allows") {
   ClockOffset c;
   c.heard(0, 0);
