@@ -36,7 +36,8 @@ def sail_all(rows: Sequence[Row], progress: Progress = lambda _: None) -> list[O
         level_N = np.abs(command) * most_N
         begins_s = row.begins_s if row.fence_m is None else _left_s(row, run)
         told = _Seen(row, 1.0 / one.rate_hz, watch.states[i, :ticks], level_N, _error_m(row, run))
-        outcomes.append(_heard(row, watch.texts[i], told.judge(begins_s)))
+        outcome = _heard(row, watch.texts[i], told.judge(begins_s))
+        outcomes.append(_kept(row, run.trace["eta"][:, row.boat], 1.0 / one.rate_hz, outcome))
     return outcomes
 
 
@@ -44,7 +45,23 @@ def _heard(row: Row, texts: Sequence[str], outcome: Outcome) -> Outcome:
     """The outcome, changed to failed if the boat did not send the row's words."""
     if row.told is None or any(row.told in text for text in texts):
         return outcome
-    why = f'"{row.told}" was not told, but {sorted(set(texts))}'
+    return _failed(outcome, f'"{row.told}" was not told, but {sorted(set(texts))}')
+
+
+def _kept(row: Row, eta: Array, h_s: float, outcome: Outcome) -> Outcome:
+    """The outcome, changed to failed if the boat came too near to the row's place."""
+    if row.keeps_m is None:
+        return outcome
+    begin = round(max(fault.at_s for fault in row.fault) / h_s)
+    ahead_m, least_m = row.keeps_m
+    north, east, psi = eta[begin]
+    there = np.array([north + ahead_m * np.cos(psi), east + ahead_m * np.sin(psi)])
+    nearest_m = float(np.hypot(*(eta[begin:, :2] - there).T).min())
+    near = f"{nearest_m:.2f} m from the other vessel, not {least_m:g} m"
+    return outcome if nearest_m >= least_m else _failed(outcome, near)
+
+
+def _failed(outcome: Outcome, why: str) -> Outcome:
     return replace(outcome, passed=False, why="; ".join(filter(None, (outcome.why, why))))
 
 
@@ -102,8 +119,15 @@ class _Seen:
         assert detected_s is not None
         if row.detected_s is not None and detected_s > row.detected_s + 1e-9:
             self._why.append(f"detected after {detected_s:.2f} s, not {row.detected_s:g} s")
+        if row.lasts_s is not None and self._lasted_s() < row.lasts_s - 1e-9:
+            self._why.append(f"{state} for {self._lasted_s():.2f} s only")
         if row.then is not None:
             self._check_next(state, row.then, row.then_s)
+
+    def _lasted_s(self) -> float:
+        assert self._left is not None
+        after = self._states[self._left :]
+        return float(np.argmax(np.append(after != after[0], True)) * self._h_s)
 
     def _check_next(self, state: str, then: str, then_s: float) -> None:
         after = self._states[self._left :]

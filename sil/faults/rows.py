@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The rows of `matrix.toml`: faults, and the limits of their effects."""
 
+import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -8,7 +9,7 @@ from pydantic import Field, Strict, ValidationError
 
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
-from sil.scenario.sections import Fault, NotNegative, Positive, Section
+from sil.scenario.sections import Fault, NotNegative, Pair, Positive, Section
 from sil.scenario.toml_errors import Source
 
 FOLDER = Path(__file__).parent
@@ -37,11 +38,14 @@ class Row(Section):
     commands. In COAST thrust must never rise. `error_m`: the greatest distance from the slot while
     the boat is in FORMATION without help. Within `recovered_s` of the fault's end (of its
     beginning, if it has no end) it must be back in FORMATION: by itself, or by an `operator` who
-    disarms, arms and sets FORMATION, but never before. `hold_s`: the operator sets HOLD that long
-    after the fault's beginning. `home_s`: that long after the beginning the operator arms the boat,
-    even from FAULT, and drives it by sticks that are centred 2 s later; only then may it give
-    thrust. `told`: words of a STATUSTEXT that it must send after the beginning. `fence_m`: its
-    FS_FENCE_M; the fault is then that the boat leaves its fence.
+    disarms, arms and sets FORMATION, but never before. `insists`: this operator asks from the
+    fault's beginning on, in vain until its end. `lasts_s`: the least time in the first state.
+    `hold_s`: the operator sets HOLD that long after the fault's beginning. `home_s`: that long
+    after the beginning the operator arms the boat, even from FAULT, and drives it by sticks that
+    are centred 2 s later; only then may it give thrust. `told`: words of a STATUSTEXT that it must
+    send after the beginning. `fence_m`: its FS_FENCE_M; the fault is then that the boat leaves its
+    fence. `keeps_m` [ahead, least]: the boat must keep that least distance from the place that far
+    ahead of it when the last fault began.
     """
 
     name: Annotated[str, Field(pattern="^[a-z0-9_]+$")]
@@ -56,16 +60,24 @@ class Row(Section):
     error_m: Positive | None = None
     recovery: Literal["automatic", "operator"] | None = None
     recovered_s: Positive | None = None
+    insists: bool = False
+    lasts_s: Positive | None = None
     hold_s: Positive | None = None
     home_s: Positive | None = None
     told: str | None = None
     fence_m: Positive | None = None
+    keeps_m: Pair | None = None
     set: dict[str, Any] = Field(default_factory=dict)
 
     @property
     def begins_s(self) -> float:
         """Time of the first fault after the release; 0 if the fault is leaving the fence."""
         return min((fault.at_s for fault in self.fault), default=0.0)
+
+    @property
+    def asks_s(self) -> float:
+        """Time from which on the operator asks for FORMATION."""
+        return self.begins_s if self.insists else self.ends_s
 
     @property
     def ends_s(self) -> float:
@@ -77,7 +89,7 @@ class Row(Section):
         """The scenario to sail; ScenarioError names the row."""
         source = scenario.read(FOLDER / "pair.toml")
         for key, value in self.set.items():
-            source.override(f"{key}={_toml(value)}")
+            source.override(f"{key}={json.dumps(value)}")
         if self.fence_m is not None:
             source.override(f"boat.{self.boat}.parameters.FS_FENCE_M={self.fence_m}")
         source.document["name"] = self.name
@@ -96,7 +108,3 @@ def read(path: Path = FOLDER / "matrix.toml") -> tuple[Row, ...]:
         return _Matrix.model_validate(source.document).row
     except ValidationError as error:
         raise source.errors(error, _Matrix) from None
-
-
-def _toml(value: Any) -> str:
-    return f'"{value}"' if isinstance(value, str) else str(value)

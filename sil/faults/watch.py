@@ -27,7 +27,7 @@ class Watch:
 
     Its `states` (rows, ticks), the commands to its motors (rows, ticks, 2), and for rows with
     `told` the STATUSTEXT `texts` since the fault began. If a row has an operator, requests are sent
-    every half second from the fault's end on.
+    every half second from the row's `asks_s` on.
     """
 
     def __init__(self, rows: Sequence[Row], ticks: int) -> None:
@@ -43,9 +43,9 @@ class Watch:
             row = self._rows[member]
             self.states[member, tick] = states[run, row.boat - 1]
             self.commands[member, tick] = batch.command[run * batch.boats + row.boat - 1]
-            if row.told and t_s >= row.begins_s:
+            if row.told and t_s - row.begins_s > -1e-9:
                 self.texts[member] += _texts(batch.fleet.sent(batch.row(run, row.boat)))
-            late_s = t_s - row.ends_s
+            late_s = t_s - row.asks_s
             if row.recovery == "operator" and late_s > -1e-9 and _due(late_s, batch.h_us):
                 ask(batch, batch.agents(run), states[run].tolist(), t_us)
             if row.hold_s and abs(t_s - row.begins_s - row.hold_s) < 1e-9:

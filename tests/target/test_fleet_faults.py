@@ -47,6 +47,17 @@ def test_a_frozen_unit_repeats_its_state_with_new_stamps() -> None:
     assert len({m.x for m in positions(sea.sail(50), 1)}) == 50
 
 
+def test_a_stuck_unit_repeats_its_position_with_true_heading_and_no_speed() -> None:
+    sea, well = Troubled(), Troubled()
+    sea.fail(1, "own_stuck")
+    records, true = sea.sail(2), well.sail(2)
+    assert len({(m.x, m.y, m.vx, m.vy) for m in positions(records, 1)}) == 1
+    assert positions(records, 1)[0].vx == 0.0 != positions(true, 1)[0].vx
+    told, right = (messages(heard(each, 1, NAVIGATION), "ATTITUDE") for each in (records, true))
+    assert len({m.yaw for m in told}) == 2
+    assert (told[0].yaw, told[0].yawspeed) == (right[0].yaw, right[0].yawspeed)
+
+
 @pytest.mark.parametrize("metres", [5.0, -30.0])
 def test_a_unit_that_jumps_reports_a_position_that_far_north(metres: float) -> None:
     well, ill = Troubled(), Troubled()
@@ -92,6 +103,37 @@ def test_a_unit_reports_a_poor_fix_and_then_a_good_one() -> None:
     assert not sea.conditions(1)["own_good"]  # for another second after the first good fix
     sea.tick(30)
     assert sea.conditions(1)["own_good"]
+
+
+def test_a_unit_reports_a_poor_estimate_once_and_then_an_unknown_one() -> None:
+    sea = Troubled()
+    sea.fail(1, "own_poor_estimate")
+    first, *others = messages(heard(sea.sail(100), 1, NAVIGATION), "ESTIMATOR_STATUS")
+    assert first.pos_horiz_accuracy == 500.0 and first.flags == 0x3F and len(others) == 4
+    assert all(math.isnan(m.pos_horiz_accuracy) for m in others)
+    assert not sea.conditions(1)["own_good"] and sea.conditions(2)["own_good"]
+    sea.heal(1, "own_poor_estimate")
+    (good, *_) = messages(heard(sea.sail(120), 1, NAVIGATION), "ESTIMATOR_STATUS")
+    assert good.pos_horiz_accuracy == 0.5 and good.vel_ratio == pytest.approx(0.1)
+    assert sea.conditions(1)["own_good"]
+
+
+@pytest.mark.parametrize("agent", [0, 1])
+def test_a_second_kind_of_message_repeats_the_state_later(agent: int) -> None:
+    sea = Troubled()
+    sea.fail(agent, "own_late_kind", value=0.5)
+    link = NAVIGATION if agent else RADIO
+    wire = heard(sea.sail(100), 1, link)
+    who = 1 if agent else 100
+    late = [m for m in messages(wire, "ODOMETRY") if m.get_srcSystem() == who]
+    prompt = {m.time_boot_ms: m for m in positions_of(wire, who)}
+    assert len(late) in (49, 50) and len(prompt) == 100
+    assert all(m.x == prompt[m.time_usec // 1000].x for m in late)
+    assert sea.state(1) == "FORMATION"
+
+
+def positions_of(wire: list[tuple[int, bytes]], system: int) -> list[Any]:
+    return [m for m in messages(wire, "LOCAL_POSITION_NED") if m.get_srcSystem() == system]
 
 
 def test_a_second_unit_with_a_lower_component_is_ignored() -> None:
@@ -303,6 +345,67 @@ def test_a_replay_repeats_earlier_messages_byte_for_byte() -> None:
     echoes = {t + 500_000: data for t, data in spoken.items() if t + 500_000 < sea.t_us}
     assert len(echoes) > 5
     assert come == {t: spoken.get(t, b"") + echoes.get(t, b"") for t in {*spoken, *echoes}}
+
+
+def test_a_vessel_at_anchor_tells_its_position_and_has_two_heartbeats() -> None:
+    sea = Troubled()
+    x, y, psi = sea.eta[1]
+    sea.fail(1, "anchored", value=6.0)
+    wire = heard(sea.sail(200), 1, RADIO)
+    told = positions_of(wire, 110)
+    assert len(told) == 10 and all(math.isnan(m.vx) for m in told)
+    ((north, east),) = {(m.x, m.y) for m in told}
+    assert north == pytest.approx(x + 6.0 * math.cos(psi), abs=1e-4)
+    assert east == pytest.approx(y + 6.0 * math.sin(psi), abs=1e-4)
+    beats = [m for m in messages(wire, "HEARTBEAT") if m.get_srcSystem() == 110]
+    assert {(m.type, m.autopilot, m.get_srcComponent()) for m in beats} == {(11, 0, 1), (11, 0, 2)}
+    sea.heal(1, "anchored")
+    assert positions_of(heard(sea.sail(100), 1, RADIO), 110) == []
+
+
+def test_a_vessel_at_anchor_is_heard_promptly_at_first_and_always_late() -> None:
+    sea = Troubled()
+    sea.fail(1, "anchored_late", value=1.0)
+    ages = []
+    for t_us, data in heard(sea.sail(250), 1, RADIO):
+        ages += [t_us - 1000 * m.time_boot_ms for m in positions_of([(t_us, data)], 110)]
+    assert set(ages) == {0, 1_000_000}
+    assert ages[:5] == [0] * 5 and ages[-5:] == [1_000_000] * 5
+
+
+def test_a_crowd_is_anchored_every_five_metres_and_the_nearest_is_heard_last() -> None:
+    sea = Troubled()
+    x, y, _ = sea.eta[1]
+    sea.fail(1, "crowd", value=40.0)
+    wire = heard(sea.sail(1), 1, RADIO)
+    crowd = [m for m in messages(wire, "LOCAL_POSITION_NED") if m.get_srcSystem() >= 110]
+    away = [math.hypot(m.x - x, m.y - y) for m in crowd]
+    assert away == pytest.approx([6.0 + 5.0 * n for n in reversed(range(40))], abs=0.05)
+
+
+def test_an_ais_receiver_reports_a_ship_at_anchor_once_in_three_minutes() -> None:
+    sea = Troubled()
+    x, y, psi = sea.eta[1]
+    sea.fail(1, "ais_ship", value=6.0)
+    (ship,) = messages(heard(sea.sail(300), 1, RADIO), "AIS_VESSEL")
+    assert (ship.MMSI, ship.navigational_status) == (227_000_000, 1)
+    north = 1e-7 * (ship.lat - 487_000_000) * math.pi / 180 * 6_371_000
+    parallel = math.cos(math.radians(48.7))
+    east = 1e-7 * (ship.lon - 22_950_000) * math.pi / 180 * 6_371_000 * parallel
+    assert north == pytest.approx(x + 6.0 * math.cos(psi), abs=0.05)
+    assert east == pytest.approx(y + 6.0 * math.sin(psi), abs=0.05)
+
+
+def test_a_station_overrides_with_everything_at_rest() -> None:
+    sea = Troubled()
+    sea.fail(1, "overrides")
+    told = messages(heard(sea.sail(100), 1, RADIO), "RC_CHANNELS_OVERRIDE")
+    assert {(m.target_system, m.chan1_raw, m.chan3_raw, m.chan7_raw) for m in told} == {
+        (1, 1500, 1500, 1100)
+    }
+    assert len(told) == 20 and told[0].get_srcSystem() == 255
+    sea.fail(1, "radio_silent")
+    assert not messages(heard(sea.sail(100), 1, RADIO), "RC_CHANNELS_OVERRIDE")
 
 
 # -- the boat

@@ -136,6 +136,10 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   measure(s, arrays, chunk_);
   watch.lap(Stage::kUnits);
   if (!chunk_.empty()) hear(v, chunk_, t_us, kNavigation);
+  if (s.faults) {
+    const auto others = s.faults->sent_to(s.system, s.now_us);
+    if (!others.empty()) hear(v, others, t_us, kRadio);
+  }
   watch.lap(Stage::kDecode);
   put_on_bus(v, t_us, arrays.rpm + 2 * index);
   watch.lap(Stage::kCan);

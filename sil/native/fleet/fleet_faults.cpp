@@ -53,6 +53,19 @@ void Fleet<S>::set_fault(std::size_t agent, const Fault& fault, std::int64_t t_u
       const link::Address beside{s.system, kComponentOnboardComputer};
       return s.faults->set_own_impostor(NavigationUnit(beside, s.unit.settings()));
     }
+    case kOwnPoorEstimate:
+      return s.unit.tell_estimate(false);
+    case kOwnLateKind: {
+      UnitSettings late = s.unit.settings();
+      late.message = StateMessage::kOdometry;
+      late.delay_s = fault.value;
+      return s.faults->set_late_kind(NavigationUnit(s.unit.self(), late));
+    }
+    case kAnchored:
+    case kAnchoredLate:
+    case kCrowd:
+    case kAisShip:
+      return s.faults->anchor(fault, s.unit.settings().origin);
     case kPilot:
       return s.unit.tell_pilot(fault.value);
     case kRadioLate:
@@ -78,6 +91,7 @@ void Fleet<S>::clear_fault(std::size_t agent, const Fault& fault, std::int64_t t
   s.faults->clear(fault.kind);
   if (fault.kind == kBusOff) report_bus(boats_[agents_[agent].index], t_us);
   if (fault.kind == kOwnPoorFix) s.unit.tell_fix(true);
+  if (fault.kind == kOwnPoorEstimate) s.unit.tell_estimate(true);
   if (fault.kind == kPilot) s.unit.tell_pilot(std::nullopt);
   if (fault.kind == kRadioLate) delay_radio(s, -value);
   if (fault.kind == kClock) shift_clock(s, -microseconds(value), t_us);

@@ -13,8 +13,9 @@ namespace {
 
 constexpr MessageType kHeartbeat{0, 50}, kGpsRawInt{24, 24}, kAttitude{30, 39},
     kLocalPositionNed{32, 185}, kGlobalPositionInt{33, 104}, kGpsGlobalOrigin{49, 39},
-    kRcChannels{65, 118}, kTimesync{111, 34}, kFollowTarget{144, 127}, kOdometry{331, 91};
-constexpr std::uint8_t kTypeGeneric = 0, kEstimatorGpsIns = 5, kMavlinkVersion = 3;
+    kRcChannels{65, 118}, kTimesync{111, 34}, kFollowTarget{144, 127}, kEstimatorStatus{230, 163},
+    kOdometry{331, 91};
+constexpr std::uint8_t kEstimatorGpsIns = 5, kMavlinkVersion = 3;
 constexpr std::uint16_t kUnknownHeading = 65535;
 
 std::int64_t whole_us(double s) { return static_cast<std::int64_t>(std::nearbyint(1e6 * s)); }
@@ -103,7 +104,10 @@ void NavigationUnit::tell_due(std::int64_t now_us, const Sensed& sensed, Out& ou
   const bool state_due = state_rate_.due(now_us);
   if (faulty_ && faulty_->pilot && faulty_->pilot_rate.due(now_us)) pilot(now_us, out);
   if (drops_out(now_us)) return;
-  if (faulty_ && faulty_->fix && faulty_->fix_rate.due(now_us)) fix(now_us, out);
+  if (faulty_ && (faulty_->fix || faulty_->accuracy_m) && faulty_->fix_rate.due(now_us)) {
+    if (faulty_->fix) fix(now_us, out);
+    if (faulty_->accuracy_m) estimate(now_us, out);
+  }
   if (attitude_due) attitude(now_us, sensed, out);
   if (state_due) tell(now_us, sensed, out);
 }
@@ -113,8 +117,11 @@ bool NavigationUnit::drops_out(std::int64_t now_us) const {
 }
 
 void NavigationUnit::tell_slowly(std::int64_t now_us, Out& out) {
-  writer_.write(out, kHeartbeat, std::uint32_t{0}, kTypeGeneric, link::mav::kAutopilotInvalid,
-                std::uint8_t{0}, link::mav::kStateActive, kMavlinkVersion);
+  using namespace link::mav;
+  const bool vehicle = settings_.vehicle;
+  writer_.write(out, kHeartbeat, std::uint32_t{0}, vehicle ? kTypeSurfaceBoat : kTypeGeneric,
+                vehicle ? kAutopilotGeneric : kAutopilotInvalid, std::uint8_t{0}, kStateActive,
+                kMavlinkVersion);
   writer_.write(out, kGpsGlobalOrigin, settings_.origin, now_us);
 }
 
@@ -180,6 +187,14 @@ void NavigationUnit::fix(std::int64_t now_us, Out& out) {
   writer_.write(out, kGpsRawInt, now_us, settings_.origin, good ? kHdop : kUnknown, kUnknown,
                 kUnknown, kUnknown, good ? kFix3d : kNoFix,
                 static_cast<std::uint8_t>(good ? 14 : 0));
+}
+
+void NavigationUnit::estimate(std::int64_t now_us, Out& out) {
+  constexpr std::uint16_t kFlags = 0x3F;  // attitude, velocities, positions
+  constexpr std::array<float, 6> kRatios{0.1F, 0.1F, 0.1F, 0.1F, 0.1F, 0.1F};
+  float& accuracy_m = *faulty_->accuracy_m;
+  writer_.write(out, kEstimatorStatus, now_us, kRatios, accuracy_m, accuracy_m, kFlags);
+  if (accuracy_m == kPoor_m) accuracy_m = std::numeric_limits<float>::quiet_NaN();
 }
 
 void NavigationUnit::pilot(std::int64_t now_us, Out& out) {

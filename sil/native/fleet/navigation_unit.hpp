@@ -26,6 +26,7 @@ struct UnitSettings {
   bool timesync = true;                ///< answers TIMESYNC, without that latency
   double dropout_every_s = 0;          ///< period by its clock; 0: never
   double dropout_s = 0;                ///< duration without a state
+  bool vehicle = false;                ///< its HEARTBEAT is a boat's
 };
 
 /// A unit's measurement, in the frame that it reports: x y ψ (m, rad), u v r (m/s, rad/s); degE7.
@@ -49,12 +50,16 @@ class NavigationUnit {
   /// From now on it also sends GPS_RAW_INT, with or without a fix.
   void tell_fix(bool good) { faulty().fix = good; }
 
+  /// From now on it also sends ESTIMATOR_STATUS: good, or poor once and then of unknown accuracy.
+  void tell_estimate(bool good) { faulty().accuracy_m = good ? kGood_m : kPoor_m; }
+
   /// From now on it also sends RC_CHANNELS: the throttle's share of full deflection while the pilot
   /// has the switch on, else everything at rest.
   void tell_pilot(std::optional<double> throttle) { faulty().pilot = Pilot{throttle}; }
 
   bool tells_degrees() const { return settings_.message >= StateMessage::kGlobal; }
   const UnitSettings& settings() const { return settings_; }
+  link::Address self() const { return self_; }
 
  private:
   struct Request {
@@ -64,10 +69,12 @@ class NavigationUnit {
   struct Pilot {
     std::optional<double> throttle;
   };
+  static constexpr float kGood_m = 0.5F, kPoor_m = 500;
   /// Extra output of a unit from its first fault on.
   struct Faulty {
     Rate fix_rate{5.0}, pilot_rate{20.0};
     std::optional<bool> fix;
+    std::optional<float> accuracy_m;
     std::optional<Pilot> pilot;
   };
   using Out = std::vector<std::uint8_t>;
@@ -88,6 +95,7 @@ class NavigationUnit {
   void follow_target(std::int64_t now_us, const Sensed& sensed, Out& out);
   Faulty& faulty();
   void fix(std::int64_t now_us, Out& out);
+  void estimate(std::int64_t now_us, Out& out);
   void pilot(std::int64_t now_us, Out& out);
   void take_timesync(std::span<const std::uint8_t> frame, const link::FrameHeader& header,
                      std::int64_t now_us);

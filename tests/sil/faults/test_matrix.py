@@ -58,6 +58,7 @@ def test_a_boat_that_keeps_the_limits_passes() -> None:
             "thrust rose by 0.50 N in COAST",
         ),
         (GOOD, {"error_m": 0.05}, "0.10 m from its slot, not 0.05 m"),
+        (GOOD, {"lasts_s": 3.1}, "HOLD for 3.00 s only"),
     ],
 )
 def test_a_boat_that_breaks_a_limit_fails_with_the_reason(
@@ -95,6 +96,24 @@ def test_a_boat_that_does_not_report_the_rows_words_fails() -> None:
     assert matrix._heard(row, ["HOLD", "poor navigation: fix"], well) == well
     silent = matrix._heard(row, ["HOLD"], well)
     assert not silent.passed and silent.why == "\"fix\" was not told, but ['HOLD']"
+
+
+def test_a_boat_keeps_its_distance_from_the_place_ahead_of_it() -> None:
+    row = Row.model_validate(
+        {"name": "it", "fault": [FAULT], "states": ["HOLD"], "keeps_m": [3.0, 1.0]}
+    )
+    well, t = judged(*GOOD, **WELL), np.arange(TICKS)
+    # It sails east at 1 m/s, and is at 1 m when the fault begins: the place is at 4 m.
+    eta = np.column_stack((0.0 * t, 0.1 * t, 0.0 * t + np.pi / 2))
+    assert matrix._kept(row, eta[:30], 0.1, well) == well
+    near = matrix._kept(row, eta[:32], 0.1, well)
+    assert not near.passed and near.why == "0.90 m from the other vessel, not 1 m"
+
+
+def test_an_operator_who_insists_asks_from_the_beginning_on() -> None:
+    keys = {"name": "it", "fault": [FAULT], "states": ["HOLD"]}
+    assert Row.model_validate(keys).asks_s == 3.0
+    assert Row.model_validate({**keys, "insists": True}).asks_s == 1.0
 
 
 def test_thrust_may_last_as_long_as_the_row_says() -> None:
