@@ -6,7 +6,8 @@
 Boat 1 leads by its plan, two follow. Each run draws a hull, rates, a loss and its instant. Judged:
 the policies; no thrust in HOLD, FAULT and DISARMED; the mode that the parameters name; no boat that
 gives thrust goes on beyond the fence; a boat in RTL comes home and one in LOITER stays; nobody that
-the loss does not concern leaves its mode.
+the loss does not concern leaves its mode. Some runs lose nothing, but an operator pauses boat 1,
+which must stay.
 """
 
 import argparse
@@ -33,9 +34,20 @@ FENCE_M, BATTERY_V, GCS_S = 48.0, 14.0, 3.0
 HOME_M, STAYS_M, BEYOND_M = 2.5, 2.5, 4.0
 SETTLES_S = 60.0
 STILL = {flotilla.STATES.index(name) for name in ("DISARMED", "HOLD", "FAULT")}
-LOSSES = ("gcs", "battery", "leader", "fence", "navigation", "navigation for a moment")
+LOSSES = (
+    "gcs",
+    "battery",
+    "leader",
+    "fence",
+    "navigation",
+    "navigation for a moment",
+    "navigation stuck",
+    "navigation poor",
+    "pause",
+)
 STOPS = ("LOITER", "RTL")
 LEAD = 1
+PAUSE = 193  # MAV_CMD_DO_PAUSE_CONTINUE
 
 
 @dataclass(frozen=True)
@@ -60,7 +72,7 @@ def draw(seed: int) -> Drawn:
     boat = int(rng.integers(1, BOATS + 1))
     if loss == "gcs":
         boat = int(rng.integers(0, 2)) and boat
-    if loss in ("leader", "fence"):
+    if loss in ("leader", "fence", "pause"):
         boat = LEAD
     at_s = float(rng.uniform(FIRST_S, LAST_S))
     fence_m = float(rng.uniform(15.0, 34.0)) if loss == "fence" else FENCE_M
@@ -99,6 +111,8 @@ def faults(loss: str, boat: int, at_s: float, moment_s: float) -> str:
         "leader": "radio_silent",
         "navigation": "own_silent",
         "navigation for a moment": "own_silent",
+        "navigation stuck": "own_stuck",
+        "navigation poor": "own_poor_estimate",
     }.get(loss)
     if kind is None:
         return "[]"
@@ -111,13 +125,17 @@ def faults(loss: str, boat: int, at_s: float, moment_s: float) -> str:
 
 
 class Watch:
-    """States by tick of each run, and the greatest command given in a state without thrust."""
+    """States by tick of each run, and the greatest command given in a state without thrust.
 
-    def __init__(self, runs: int) -> None:
-        self.states: list[list[Array]] = [[] for _ in range(runs)]
-        self.pushed = np.zeros(runs)
+    Also the operator who pauses boats.
+    """
 
-    def __call__(self, batch: Batch, members: Sequence[int], _tick: int, _t_us: int) -> None:
+    def __init__(self, drawn: Sequence[Drawn]) -> None:
+        self.drawn = drawn
+        self.states: list[list[Array]] = [[] for _ in drawn]
+        self.pushed = np.zeros(len(drawn))
+
+    def __call__(self, batch: Batch, members: Sequence[int], tick: int, t_us: int) -> None:
         """Note a tick."""
         given = np.abs(batch.command).max(axis=1).reshape(-1, batch.boats)
         still = np.isin(batch.states, list(STILL))
@@ -125,6 +143,9 @@ class Watch:
             self.states[member].append(batch.states[run].copy())
             most = float(np.where(still[run], given[run], 0.0).max())
             self.pushed[member] = max(self.pushed[member], most)
+            one = self.drawn[member]
+            if one.loss == "pause" and tick == round(one.at_s / one.scenario.step_s):
+                batch.fleet.command([batch.row(run, one.boat)], t_us, PAUSE, (0.0,))
 
 
 def expected(drawn: Drawn, boat: int) -> set[str]:
@@ -136,6 +157,8 @@ def expected(drawn: Drawn, boat: int) -> set[str]:
         return {drawn.stop}
     if drawn.loss == "fence":
         return {drawn.stop} if boat == LEAD else {own, drawn.stop}
+    if drawn.loss == "pause":
+        return {own}
     if drawn.loss.startswith("navigation"):
         if struck:
             return {"HOLD"}
@@ -166,8 +189,9 @@ def judge(drawn: Drawn, run: Run, states: Array, pushed: float) -> Iterator[str]
         if name == "RTL" and away_m[-1, boat] > HOME_M:
             yield f"boat {boat + 1} in RTL ends {away_m[-1, boat]:.1f} m from home"
         roams_m = np.hypot(*(eta[late, boat] - eta[-1, boat]).T).max()
-        if name == "LOITER" and roams_m > 2 * STAYS_M:
-            yield f"boat {boat + 1} in LOITER roams {roams_m:.1f} m"
+        paused = drawn.loss == "pause" and boat + 1 == drawn.boat
+        if (name == "LOITER" or paused) and roams_m > 2 * STAYS_M:
+            yield f"boat {boat + 1} in {name} roams {roams_m:.1f} m"
 
 
 @dataclass(frozen=True)
@@ -182,7 +206,7 @@ class Ended:
 def sail_all(seeds: Sequence[int]) -> list[Ended]:
     """Sail these runs together."""
     drawn = [draw(seed) for seed in seeds]
-    watch = Watch(len(drawn))
+    watch = Watch(drawn)
     runs = sail([one.scenario for one in drawn], {}, keep_s=0.5, watch=watch)
     ended = []
     for i, (one, run) in enumerate(zip(drawn, runs, strict=True)):
