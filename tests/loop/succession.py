@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """A fleet that loses its leader, an inner boat, both, or half of its radio, while it sails a plan.
 
-    python -m tests.loop.succession [--instants 8] [--kinds leader inner two split none]
+    python -m tests.loop.succession [--instants 8] [--kinds leader inner two restart split …]
 
 The scenario `lead` with eight boats in a vee, on a radio that loses 30 % and is up to 0.3 s late.
 All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 is killed, or
-boat 2, on which boats 4, 6 and 8 hang, or both; or the radio is split between boats 1 to 4 and 5 to
-8 for 60 s. This happens at instants spread over the plan. Truth, and the boats' own words, are
-judged. `none`: nothing fails, for comparison.
+boat 2, on which boats 4, 6 and 8 hang, or both; or boat 1 restarts, disarmed, within a second; or
+the radio is split between boats 1 to 4 and 5 to 8 for 60 s. This happens at instants spread over
+the plan. Truth, and the boats' own words, are judged. On request: `paused`: an operator pauses boat
+1 5 s before it is killed; `left_out`: a new table leaves out boat 8; `none`: nothing fails.
 """
 
 import argparse
@@ -34,8 +35,10 @@ from sil.wire.operator import plan_upload
 from sil.wire.plan_upload import PlanUpload
 
 #: The boats that a failure kills.
-KILLS = {"leader": (1,), "inner": (2,), "two": (1, 2)}
+KILLS = {"leader": (1,), "inner": (2,), "two": (1, 2), "restart": (1,)}
 KINDS = (*KILLS, "split")
+#: The boats without which the fleet goes on.
+GONE = KILLS | {"paused": (1,), "left_out": (8,)}
 NOTHING = "none"
 #: A boat within this distance for that long is in its slot.
 IN_SLOT_M, STAYS_S = 0.2, 5.0
@@ -43,6 +46,7 @@ IN_SLOT_M, STAYS_S = 0.2, 5.0
 FELT_S = 10.0
 FIRST_S, LAST_S, AFTER_S, SPLIT_S = 20.0, 80.0, 90.0, 60.0
 FORMS_UP_S = 60.0
+PAUSED_S, BACK_S = 5.0, 1.0
 #: The leader of each boat in the table; 0: none.
 TREE = (0, 1, 1, 2, 3, 2, 3, 4)
 SETTINGS = (
@@ -56,7 +60,7 @@ SETTINGS = (
     "link.everyone=true",
     "parameters.FS_COAST_S=15.0",
 )
-RADIO = 1
+RADIO, PAUSE = 1, 193
 SIDE = range(4)  # boats from 0 on one side of a split
 
 _AUTO = flotilla.STATES.index("AUTO")
@@ -70,7 +74,7 @@ class Healed:
     `slots_s`: when all live boats are in their slots, for five seconds, 10 s after it at the
     earliest; `off_m`: greatest distance of one from its slot after 60 s; `nearest_m`: of two live
     boats; `wreck_m`: of a live boat from a dead one; `goes_on`: the leader sails the plan at the
-    end; `states`: of the live boats at the end.
+    end; `states`: of the live boats at the end; `gone`: of the others.
     """
 
     kind: str
@@ -83,6 +87,7 @@ class Healed:
     wreck_m: float
     goes_on: bool
     states: tuple[str, ...]
+    gone: tuple[str, ...]
 
 
 class Track:
@@ -101,6 +106,10 @@ class Observer:
     def __init__(self, kind: str, instants: Sequence[float], one: Scenario) -> None:
         self.kind, self.instants, self.one = kind, instants, one
         self.places = slots(one.formation) if one.formation else []
+        self.members = [
+            Member(i + 1, leader, place, one.vessel.length_m)
+            for i, (leader, place) in enumerate(zip(TREE, self.places, strict=True))
+        ]
         self.tracks = [Track() for _ in instants]
         self._said: dict[tuple[int, int], Beacon] = {}
         self._uploads: dict[tuple[int, int], PlanUpload] = {}
@@ -113,6 +122,8 @@ class Observer:
                 self._exchange(batch, run, boat, agent, t_us)
             if self.kind == "split":
                 self._split(batch, run, self.instants[member], k)
+            else:
+                self._order(batch, run, self.instants[member], k, t_us)
             if k % 10 == 0:
                 self._note(batch, run, self.tracks[member], k)
 
@@ -130,13 +141,9 @@ class Observer:
     def _begin(self, batch: Batch, t_us: int) -> None:
         self._said.clear()
         self._uploads.clear()
-        members = [
-            Member(i + 1, leader, place, self.one.vessel.length_m)
-            for i, (leader, place) in enumerate(zip(TREE, self.places, strict=True))
-        ]
         for run in range(len(batch.scenarios)):
             second = batch.agents(run)[1]
-            batch.fleet.hear(second, table_message(1, members, in_s=3.0), t_us, RADIO)
+            batch.fleet.hear(second, table_message(1, self.members, in_s=3.0), t_us, RADIO)
             for boat in range(1, batch.boats):
                 upload = plan_upload(boat + 1, items_of(self.one.leader))
                 self._uploads[run, boat] = upload
@@ -151,6 +158,14 @@ class Observer:
         upload.on_mavlink(said, t_us)
         if words := upload.say(t_us):
             batch.fleet.hear(agent, words, t_us, RADIO)
+
+    def _order(self, batch: Batch, run: int, at_s: float, k: int, t_us: int) -> None:
+        first, second, *_ = batch.agents(run)
+        if self.kind == "paused" and k == round((at_s - PAUSED_S) / self.one.step_s):
+            batch.fleet.command([first], t_us, PAUSE, (0.0,))
+        if self.kind == "left_out" and k == round(at_s / self.one.step_s):
+            table = table_message(2, self.members[:-1], in_s=1.0)
+            batch.fleet.hear(second, table, t_us, RADIO)
 
     def _split(self, batch: Batch, run: int, at_s: float, k: int) -> None:
         begins, ends = (round(x / self.one.step_s) for x in (at_s, at_s + SPLIT_S))
@@ -179,11 +194,14 @@ def scenarios_of(kind: str, instants: Sequence[float]) -> list[Scenario]:
     rest_s = AFTER_S + apart_s(kind)
     made = []
     for seed, at_s in enumerate(instants, start=1):
-        killed = KILLS.get(kind, ())
+        killed = GONE.get(kind, ()) if kind != "left_out" else ()
+        for_s = BACK_S if kind == "restart" else None
         update = {
             "seed": seed,
             "duration_s": max(instants) + rest_s,
-            "fault": tuple(Fault(kind="restart", agent=boat, at_s=at_s) for boat in killed),
+            "fault": tuple(
+                Fault(kind="restart", agent=boat, at_s=at_s, for_s=for_s) for boat in killed
+            ),
         }
         made.append(base.model_copy(update=update))
     return made
@@ -215,7 +233,7 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
     """Compare a run with what is asked of it."""
     t_s, states = np.array(track.t_s), np.array(track.states)
     eta, leads = np.array(track.eta), np.array(track.leads)
-    dead = [boat - 1 for boat in KILLS.get(kind, ())]
+    dead = [boat - 1 for boat in GONE.get(kind, ())]
     live = [boat for boat in range(states.shape[1]) if boat not in dead]
     from_s = at_s + apart_s(kind)
     after = t_s >= from_s
@@ -249,7 +267,7 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
         float(min(nearest)),
         float(min(wreck, default=np.inf)),
         bool(states[-1, leader] == _AUTO),
-        tuple(flotilla.STATES[state] for state in states[-1][live]),
+        *(tuple(flotilla.STATES[state] for state in states[-1][each]) for each in (live, dead)),
     )
 
 
@@ -266,7 +284,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--instants", type=int, default=8)
-    parser.add_argument("--kinds", nargs="+", choices=(*KINDS, NOTHING), default=KINDS)
+    parser.add_argument("--kinds", nargs="+", choices=(*GONE, "split", NOTHING), default=KINDS)
     given = parser.parse_args()
     names = ("failure", "at", "one leader after", "two for", "in slots after", "off its slot")
     print("|", " | ".join([*names, "nearest", "wreck", "plan"]), "|")

@@ -83,3 +83,19 @@ def test_after_the_plans_end_the_next_leader_waits_and_does_not_sail_it_again(
     (it,) = sail("leader", [80.0])
     assert it.leads_s <= 3.0
     assert it.states.count("LOITER") == 1 and set(it.states) == {"LOITER", "FORMATION"}
+
+
+def test_a_boat_that_takes_over_from_a_paused_leader_waits() -> None:
+    (it,) = sail("paused", AT_S[1:2])
+    assert it.leads_s <= 3.0
+    assert it.states.count("LOITER") == 1 and set(it.states) == {"LOITER", "FORMATION"}
+
+
+def test_a_boat_that_a_new_table_leaves_out_stops_and_the_others_sail_on() -> None:
+    (it,) = sail("left_out", AT_S[1:2])
+    assert it.gone == ("HOLD",)
+    assert it.goes_on and it.states.count("FORMATION") == 6
+
+
+def test_a_leader_that_restarts_stays_disarmed(healed: Healed) -> None:
+    assert healed.kind != "restart" or healed.gone == ("DISARMED",)
