@@ -172,6 +172,7 @@ class Fleet {
   void listen(Vessel& v, std::int64_t t_us);
   void listen(Station& s, std::int64_t t_us);
   void hear(Vessel& v, std::span<const std::uint8_t> data, std::int64_t t_us, std::size_t link);
+  static void add_unit(Station& s, const Fault& fault);
   void shift_clock(Station& s, std::int64_t by_us, std::int64_t t_us);
   void delay_radio(const Station& s, double by_s);
   void report_bus(Vessel& v, std::int64_t t_us);

@@ -43,24 +43,14 @@ void Fleet<S>::set_fault(std::size_t agent, const Fault& fault, std::int64_t t_u
   switch (fault.kind) {
     case kBusOff:
       return report_bus(boats_[agents_[agent].index], t_us);
-    case kImpostor: {
-      const link::Address like_it{s.system, link::mav::kComponentAutopilot};
-      return s.faults->set_impostor(NavigationUnit(like_it, s.unit.settings()));
-    }
+    case kImpostor:
+    case kOwnImpostor:
+    case kOwnLateKind:
+      return add_unit(s, fault);
     case kOwnPoorFix:
       return s.unit.tell_fix(false);
-    case kOwnImpostor: {
-      const link::Address beside{s.system, kComponentOnboardComputer};
-      return s.faults->set_own_impostor(NavigationUnit(beside, s.unit.settings()));
-    }
     case kOwnPoorEstimate:
       return s.unit.tell_estimate(false);
-    case kOwnLateKind: {
-      UnitSettings late = s.unit.settings();
-      late.message = StateMessage::kOdometry;
-      late.delay_s = fault.value;
-      return s.faults->set_late_kind(NavigationUnit(s.unit.self(), late));
-    }
     case kAnchored:
     case kAnchoredLate:
     case kCrowd:
@@ -76,6 +66,23 @@ void Fleet<S>::set_fault(std::size_t agent, const Fault& fault, std::int64_t t_u
       return restart(boats_[agents_[agent].index], t_us);
     default:
       return;
+  }
+}
+
+/// A second unit beside the vessel's.
+template <class S>
+void Fleet<S>::add_unit(Station& s, const Fault& fault) {
+  UnitSettings settings = s.unit.settings();
+  if (fault.kind == kImpostor) {
+    const link::Address like_it{s.system, link::mav::kComponentAutopilot};
+    s.faults->set_impostor(NavigationUnit(like_it, settings));
+  } else if (fault.kind == kOwnImpostor) {
+    const link::Address beside{s.system, kComponentOnboardComputer};
+    s.faults->set_own_impostor(NavigationUnit(beside, settings));
+  } else {
+    settings.message = StateMessage::kOdometry;
+    settings.delay_s = fault.value;
+    s.faults->set_late_kind(NavigationUnit(s.unit.self(), settings));
   }
 }
 
