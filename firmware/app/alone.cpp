@@ -18,7 +18,7 @@ template <class S>
 void Alone<S>::start(const Now& now) {
   driven_ = false;
   if (now.state == core::State::kAuto) {
-    start_plan();
+    start_plan(now.now_us);
   } else {
     start_errand(now);
   }
@@ -39,7 +39,7 @@ void Alone<S>::check_way(const convert::Position& here, std::int64_t now_us) {
 }
 
 template <class S>
-void Alone<S>::start_plan() {
+void Alone<S>::start_plan(std::int64_t now_us) {
   const MissionService& missions = vehicle_.missions();
   voyage_.begin_plan(missions.id(Stored::kPlan), missions.current(), missions.is_complete());
   pilot_.start_plan({.plan = missions.plan(),
@@ -48,7 +48,7 @@ void Alone<S>::start_plan() {
                      .home = home()},
                     configuration().plan);
   reached_.reset();
-  pilot_.reports().begin_plan();
+  pilot_.reports().forget_waits(now_us);
   warnings_.forget_waiting();
 }
 
@@ -187,7 +187,7 @@ template <class S>
 core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
   if (vehicle_.missions().take_jump()) {
     voyage_.forget();
-    start_plan();
+    start_plan(now.now_us);
   }
   const core::ControllerOutput<S> out = sail_items(now, dt);
   const PlanVessel<S>& sailed = pilot_.plan_vessel();
@@ -211,9 +211,11 @@ core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
   if (kSailsVoyages && voyage_.is_on()) return sail_voyage(now, dt);
   // While the fleet's shape moves, the leader waits for nobody: behind a leader at rest, some slots
   // would move astern.
-  const auto late = now.shape_moves ? std::nullopt : pilot_.reports().late(now.now_us);
+  const bool paused = vehicle_.orders().is_paused(), waits = !paused && !now.shape_moves;
+  if (!waits) pilot_.reports().forget_waits(now.now_us);
+  const auto late = waits ? pilot_.reports().late(now.now_us) : std::nullopt;
   warnings_.tell_waiting(late);
-  return pilot_.sail(missions.plan(), vehicle_.orders().is_paused() || late, now.now_us, dt);
+  return pilot_.sail(missions.plan(), paused || late, now.now_us, dt);
 }
 
 template <class S>
@@ -232,7 +234,7 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
     vehicle_.texts().send(lost ? link::mav::kSeverityError : link::mav::kSeverityInfo,
                           {sentence_of(*news).text()}, counters_);
   }
-  if (voyage_.is_over()) start_plan();
+  if (voyage_.is_over()) start_plan(now.now_us);
   return out;
 }
 

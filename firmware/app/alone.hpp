@@ -53,7 +53,7 @@ class Alone {
   bool voyage_is_lost() const { return voyage_.is_lost(); }
 
  private:
-  void start_plan();
+  void start_plan(std::int64_t now_us);
   void start_errand(const Now& now);
   void sail_back(const Target& meanwhile);
   convert::GlobalPoint return_place(const convert::Position& here,

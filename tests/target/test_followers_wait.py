@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from sil.wire.fleet_table import Member, table_message
 from tests.dialect import dialect
+from tests.target.hull import Afloat
 from tests.target.plans import at
 from tests.target.stations import BOAT, ORIGIN, STRANGER, Station
-from tests.target.test_auto import place, sailing
+from tests.target.test_auto import PAUSE, place, sailing
 
 WAIT_S = 5.0
 FOLLOWED = 1
@@ -66,3 +68,38 @@ def test_two_followers_that_are_late_in_turn_do_not_stop_the_plan() -> None:
             told = mavlink.MAVLink_named_value_float_message(0, b"IN_SLOT", value)
             sea.say(told, sender=follower)
     assert place(sea)[0] > 25
+
+
+def told(sea: Afloat, seconds: int, *, in_slot: bool) -> None:
+    """The follower reports for that long whether it is in its slot."""
+    follower = Station(STRANGER)
+    for _ in range(seconds):
+        for _ in range(5):
+            sea.say(reference(sea.now_us, FOLLOWED), sender=follower)
+            sea.run(0.2)
+        value = mavlink.MAVLink_named_value_float_message(0, b"IN_SLOT", float(in_slot))
+        sea.say(value, sender=follower)
+
+
+@pytest.mark.parametrize("reason", ["pause", "move"])
+def test_the_leader_does_not_use_up_its_wait_while_it_waits_for_another_reason(reason: str) -> None:
+    sea = sailing([at(0, 0), at(200, 0)], {"WP_WAIT_S": WAIT_S, "FS_SEP_M": 0.0})
+    leader = Member(BOAT, 0, (0.0, 0.0), 1.3)
+    shapes = [[leader, Member(STRANGER, BOAT, (-4.0, east_m), 1.3)] for east_m in (0.0, 4.0)]
+    sea.boat.on_mavlink(table_message(1, shapes[0]), sea.now_us)
+    told(sea, 5, in_slot=True)
+    if reason == "pause":
+        sea.order(PAUSE, 0.0)
+        told(sea, 20, in_slot=False)
+        sea.order(PAUSE, 1.0)
+    else:  # boats settle for 15 s after a move
+        sea.boat.on_mavlink(table_message(2, shapes[1], move_s=14.0), sea.now_us)
+        told(sea, 30, in_slot=False)
+    told(sea, 2, in_slot=False)
+    begun_m = place(sea)[0]
+    told(sea, 2, in_slot=False)
+    assert place(sea)[0] - begun_m < 0.3
+    told(sea, 10, in_slot=False)
+    begun_m = place(sea)[0]
+    told(sea, 4, in_slot=False)
+    assert place(sea)[0] - begun_m > 1.0

@@ -88,6 +88,14 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
   }
 }
 
+void FleetReports::forget_waits(std::int64_t now_us) {
+  fleet_ = {};
+  for (Member& member : std::span(members_).first(used_)) {
+    member.waited_us = 0;
+    member.since_us = now_us;
+  }
+}
+
 std::optional<std::uint8_t> FleetReports::late(std::int64_t now_us) {
   const auto late = std::ranges::find_if(members_, [&](const Member& m) {
     return m.out && now_us - m.heard_us < kMemberSilent_us && m.waited(now_us) < wait_us_;

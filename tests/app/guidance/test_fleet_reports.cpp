@@ -116,7 +116,7 @@ TEST_CASE("the leader waits for at most WP_WAIT_S for followers that are late in
   CHECK(fleet.late());
   fleet.run(25, both);
   CHECK_FALSE(fleet.late());
-  fleet.reports.begin_plan();
+  fleet.reports.forget_waits(fleet.now_us);
   CHECK(fleet.late());
 }
 
@@ -132,6 +132,24 @@ TEST_CASE("a boat that stays out of its slot does not use up the wait for others
   fleet.in_slot(0, 3);
   fleet.run(20, both);
   CHECK(fleet.late() == 3);
+}
+
+TEST_CASE("while the plan waits for nobody, no wait is used up") {
+  Fleet fleet;
+  fleet.run(1);
+  fleet.in_slot(1);
+  fleet.in_slot(0);
+  fleet.run(29);
+  for (int tenth = 0; tenth < 150; ++tenth) {
+    fleet.reports.forget_waits(fleet.now_us);
+    fleet.now_us += kSecond_us / 10;
+  }
+  fleet.run(0.1);
+  fleet.in_slot(0);
+  fleet.run(29);
+  CHECK(fleet.late() == kFollower);
+  fleet.run(1);
+  CHECK_FALSE(fleet.late());
 }
 
 TEST_CASE("the leader does not wait for a boat that was never in its slot") {
