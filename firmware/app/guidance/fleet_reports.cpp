@@ -14,6 +14,9 @@ namespace mav = link::mav;
 
 // A boat silent for this long has left, or has failed: do not wait for it.
 constexpr std::int64_t kMemberSilent_us = 3'000'000;
+// After a longer absence a boat must come back to its slot before it is waited for: a leader at rest
+// disturbs the boats that are in theirs.
+constexpr std::int64_t kAbsent_us = 20'000'000;
 constexpr std::uint8_t kReturns = 3;
 
 }  // namespace
@@ -47,15 +50,16 @@ FleetReports::Member* FleetReports::find(std::uint8_t system) {
   return found == used.end() ? nullptr : &*found;
 }
 
-/// A boat for which the table has no room is ignored.
-void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t now_us) {
+/// A boat for which the table has no room is ignored. If this boat has taken the place of the root
+/// that both followed, a member's time in its slot still counts.
+void FleetReports::take_member(std::uint8_t system, const link::FormationReference& told,
+                               std::int64_t now_us) {
   Member* member = find(system);
-  if (!follows) {
-    if (member == nullptr) return;
-    member->note(false, now_us, wait_us_);
-    member->was_in = false;
-    return;
-  }
+  const bool follows = (told.flags & mav::kReferenceFollowed) != 0;
+  if (follows && system == leader_) root_ = told.root;
+  const bool ours = follows && told.root == own_;
+  if (!ours && member != nullptr) member->note(false, now_us, wait_us_);
+  if (!follows) return;
   if (member == nullptr) {
     member = &*std::ranges::min_element(members_, {}, &Member::heard_us);
     if (member->system != 0 && now_us - member->heard_us <= kMemberSilent_us) return;
@@ -63,6 +67,9 @@ void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t n
     member->system = system;
     used_ = std::max(used_, static_cast<std::size_t>(member - members_.data()) + 1);
   }
+  const bool stays = told.root == member->root || (ours && member->root == root_);
+  if (!stays || now_us - member->heard_us > kAbsent_us) member->was_in = false;
+  member->root = told.root;
   member->heard_us = now_us;
 }
 
@@ -70,14 +77,13 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
   const std::uint8_t from = received.from.system;
   if (from == own_ || from == 0) return;
   if (const auto* told = std::get_if<link::FormationReference>(&received.message)) {
-    const bool follows = (told->flags & mav::kReferenceFollowed) != 0 && told->root == own_;
-    take_member(from, follows, now_us);
+    take_member(from, *told, now_us);
   } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
     if (!link::is_text(value->name, "IN_SLOT")) return;
     Member* member = find(from);
     if (member == nullptr) return;
     member->was_in = member->was_in || value->value > 0;
-    member->note(member->was_in && !(value->value > 0), now_us, wait_us_);
+    member->note(member->root == own_ && member->was_in && !(value->value > 0), now_us, wait_us_);
   } else if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
     if (from != leader_ || beat->autopilot == mav::kAutopilotInvalid) return;
     constexpr std::uint8_t kSails = mav::kModeFlagCustom | mav::kModeFlagArmed;

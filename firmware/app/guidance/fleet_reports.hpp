@@ -34,9 +34,10 @@ class FleetReports {
 
  private:
   struct Member {
-    std::uint8_t system = 0;      ///< 0: a free entry
-    bool was_in = false;          ///< has been in its slot
-    bool out = false;             ///< out of its slot now
+    std::uint8_t system = 0;  ///< 0: a free entry
+    std::uint8_t root = 0;    ///< of the formation that it follows
+    bool was_in = false;      ///< has been in its slot behind that root, or behind its successor
+    bool out = false;         ///< follows us, and is out of its slot now
     std::uint32_t waited_us = 0;  ///< wait used up at since_us
     std::int64_t heard_us = 0;
     std::int64_t since_us = 0;  ///< of `out`
@@ -46,9 +47,10 @@ class FleetReports {
   };
 
   Member* find(std::uint8_t system);
-  void take_member(std::uint8_t system, bool follows, std::int64_t now_us);
+  void take_member(std::uint8_t system, const link::FormationReference& told, std::int64_t now_us);
 
   std::uint8_t own_ = 0, leader_ = 0;
+  std::uint8_t root_ = 0;     // of the formation that this boat followed last
   std::uint8_t returns_ = 0;  // the leader's reports of RTL in a row, at most kReturns
   std::int64_t wait_us_ = 0;
   std::int64_t return_us_ = 0;  // the last one

@@ -159,6 +159,39 @@ TEST_CASE("the leader does not wait for a boat that was never in its slot") {
   CHECK_FALSE(fleet.late());
 }
 
+TEST_CASE("a boat that takes over waits for boats that were in their slots behind the old leader") {
+  constexpr std::uint8_t kParent = 100, kOldRoot = 77, kStranger = 88;
+  Fleet fleet;
+  fleet.root = kOldRoot;
+  fleet.run(1, {kParent, kFollower});
+  fleet.in_slot(1);
+  fleet.in_slot(0);
+  CHECK_FALSE(fleet.late());
+  double away_s = 0;
+  SUBCASE("it follows at once") {}
+  SUBCASE("it coasts meanwhile") {
+    fleet.follows = false;
+    away_s = 15;
+  }
+  SUBCASE("it is away for too long") {
+    fleet.speaks = false;
+    away_s = 21;
+  }
+  SUBCASE("it follows another root meanwhile") {
+    fleet.root = kStranger;
+    fleet.run(0.1);
+    fleet.in_slot(1);
+  }
+  fleet.run(away_s);
+  const bool away = away_s > 20 || fleet.root == kStranger;
+  fleet.follows = fleet.speaks = true;
+  fleet.root = kOwn;
+  fleet.run(0.1);
+  CHECK_FALSE(fleet.late());
+  fleet.in_slot(0);
+  CHECK(fleet.late().has_value() != away);
+}
+
 TEST_CASE("the leader does not wait for a boat that is silent, has left, or follows another") {
   Fleet fleet;
   fleet.run(1);
