@@ -13,10 +13,12 @@ namespace {
 constexpr std::int64_t kBeacon_us = 1'200'000;
 // A change is sent at once and repeated, because radios lose packets.
 constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
-// While a fit boat has no leader, at most until its coast ends, and kLostRepeats times after it has
-// lost a leader that others still hear: the next leader waits for a beacon of each member.
-constexpr std::int64_t kLost_us = 200'000;
+// A boat that has lost the leader says so kLostRepeats times, as the next leader waits for a beacon
+// of each member: of twelve in 1.2 s, a radio that loses 30 % loses all once in two million times.
+constexpr std::int64_t kLoses_us = 100'000;
 constexpr std::size_t kLostRepeats = 12;
+// After that, while a fit boat has no leader, at most until its coast ends.
+constexpr std::int64_t kLost_us = 200'000;
 // A boat without the newest table gets it from the member with the earliest turn.
 constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 // Beyond FS_LEADER_S: by then a follower already coasts.
@@ -345,7 +347,7 @@ std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
   if (repeats_ > 0) {
     const std::size_t left = repeats_--;
     beacon_us_ =
-        now_us + (left > kRepeats_us.size() ? kLost_us : kRepeats_us[kRepeats_us.size() - left]);
+        now_us + (left > kRepeats_us.size() ? kLoses_us : kRepeats_us[kRepeats_us.size() - left]);
   }
   ++told_.sequence;
   return told_;

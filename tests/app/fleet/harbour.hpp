@@ -29,6 +29,7 @@ struct Boat {
   bool stopped = false;      ///< by an operator, not by a failure
   std::uint8_t hears = 0;    ///< the only system that it hears; 0: all
   std::uint8_t deaf_to = 0;  ///< the system that it does not hear
+  int lost_reports = 0;      ///< the radio loses this many of its beacons that name no leader
   FleetPlace place{77, 3};
   std::size_t bytes = 0;
   int stops = 0;
@@ -104,7 +105,11 @@ struct Harbour {
           boat.fleet.stopped();
           ++boat.stops;
         }
-        if (const auto beacon = boat.fleet.beacon(clock_us)) spread(i, *beacon, 25);
+        if (const auto beacon = boat.fleet.beacon(clock_us)) {
+          const bool reports = FleetPeers::heard_of(beacon->flags) == 0;
+          const bool lost = reports && boat.lost_reports > 0 && boat.lost_reports-- > 0;
+          if (!lost) spread(i, *beacon, 25);
+        }
         if (const auto table = boat.fleet.table(clock_us)) spread(i, *table, 49);
       }
     }

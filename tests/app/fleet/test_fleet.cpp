@@ -116,6 +116,15 @@ TEST_CASE("leader silent: the next boat leads within two seconds, all others fol
   CHECK(harbour.applied(3).FORM_OFS_N == -8);
 }
 
+TEST_CASE("leader silent: the next boat leads soon though the radio loses eight reports in a row") {
+  Harbour harbour = under_way();
+  harbour.boats[3].lost_reports = 8;
+  harbour.boats[0].on = false;
+  harbour.sail(2.2);
+  CHECK(harbour.boats[3].lost_reports == 0);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+}
+
 TEST_CASE("after a stop no boat takes over until a boat has led again") {
   Harbour harbour = under_way();
   for (Boat& boat : harbour.boats) boat.state = core::State::kHold;
