@@ -48,6 +48,17 @@ bool is_most(const FleetTable& table, std::size_t own, std::span<const FleetPeer
   return 2 * heard > table.count;
 }
 
+/// Whether an operator has stopped most of the members that the boat hears.
+bool most_stopped(std::size_t own, std::span<const FleetPeer> peers) {
+  std::size_t heard = 0, stopped = 0;
+  for (std::size_t rank = 0; rank < peers.size(); ++rank) {
+    if (rank == own || !peers[rank].heard) continue;
+    ++heard;
+    if (peers[rank].stopped) ++stopped;
+  }
+  return 2 * stopped > heard;
+}
+
 bool same(const Configuration::Formation& a, const Configuration::Formation& b) {
   return a.leader == b.leader && a.north_m == b.north_m && a.east_m == b.east_m &&
          a.turns == b.turns;
@@ -185,8 +196,9 @@ void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::
   // A boat that is not fit may report no plan only because it has been stopped itself.
   const bool knows = peer.fit || beacon.plan_id != 0;
   const bool relays = unheard && knows && (peer.hears == leader || ends);
-  const bool by_leader = peer.leads || (beacon.flags & FleetPeers::kEnds) != 0;
-  if ((rank == leader && by_leader) || relays) note_place({beacon.plan_id, beacon.plan_item});
+  const bool by_leader = rank == leader && (peer.leads || peer.stopped);
+  if (by_leader) leader_stopped_ = peer.stopped;
+  if (by_leader || relays) note_place({beacon.plan_id, beacon.plan_item});
 }
 
 void Fleet::note_place(const FleetPlace& place) {
@@ -228,6 +240,8 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   const core::State state = report.state;
   const bool drives = core::law_drives(state) || state == core::State::kManual;
   by_hand_ = by_hand_ || !same(own, by_parameters_);
+  sailed_ = sailed_ || core::law_drives(state);
+  bool stops = stops_;
   if (const auto rank = rank_in(table, system_)) {
     peers_.update(table->count, leader_limit_us + kMore_us, now_us);
     const bool follows = core::follows(state);
@@ -238,6 +252,11 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
         {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_, drives, alone, ordered,
          by_hand_, alone && state != state_, state == core::State::kManual},
         std::span(peers_.all()).first(table->count));
+    // If an operator has stopped the leader and most others, all were meant: the boat that would
+    // wait in the leader's place has missed the order.
+    const bool by_rule = order == FleetOrder::kLead || succession_.sails_by_rule();
+    stops = stops || (succession_.leads() && by_rule && leader_stopped_ &&
+                      most_stopped(*rank, std::span(peers_.all()).first(table->count)));
     if (succession_.leads() && order != FleetOrder::kLead) {
       // In other modes its own item says nothing about the fleet's plan.
       note_place(state == core::State::kAuto ? report.place : FleetPlace{0, place_.item});
@@ -256,7 +275,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   slot_motion_ = slot_motion;
   attachment_ = next;
   update_beacon(report, order == FleetOrder::kFollow, now_us);
-  return stops_ ? FleetOrder::kStop : order;
+  return stops ? FleetOrder::kStop : order;
 }
 
 void Fleet::stopped() {
@@ -319,7 +338,7 @@ void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t n
     const bool follows = core::follows(report.state) || (yields && led);
     const bool fit = follows && report.fit && !by_hand_;
     const bool leads = succession_.leads();
-    const bool ends = report.stopped && plan_id_ != 0;  // a boat that has restarted knows no plan
+    const bool ends = report.stopped && sailed_;  // not if it has only restarted
     now.flags = static_cast<std::uint8_t>(
         (fit ? FleetPeers::kFit : 0U) | (leads ? FleetPeers::kLeads : 0U) |
         (ends ? FleetPeers::kEnds : 0U) | (hears ? *hears + 1 : 0U) << FleetPeers::kHears);

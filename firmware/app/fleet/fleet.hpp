@@ -126,6 +126,8 @@ class Fleet {
   Configuration::Formation by_parameters_;  // when the table came into force
   bool by_hand_ = false;
   bool changed_ = false;
+  bool sailed_ = false;          // by the law, since this program began
+  bool leader_stopped_ = false;  // the last leader, by an operator
   FleetPlace place_;
   std::uint32_t plan_id_ = 0;  // the last one sailed
   core::State state_{};        // in the last step

@@ -81,6 +81,7 @@ void FleetPeers::take(std::size_t rank, const link::FleetBeacon& beacon, const F
   FleetPeer& peer = peers_[rank];
   peer.fit = (beacon.flags & kFit) != 0;
   peer.leads = (beacon.flags & kLeads) != 0;
+  peer.stopped = (beacon.flags & kEnds) != 0;
   peer.epoch = beacon.epoch;
   note_leader(peer, beacon, ledger);
 }

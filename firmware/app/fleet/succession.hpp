@@ -19,7 +19,8 @@ struct FleetPeer {
   std::uint16_t epoch = 0;  ///< 0: no beacon yet, and may be fit
   std::uint8_t hears = FleetTable::kMax;  ///< rank of the leader that it hears itself; kMax: none
   bool behind : 1 = false;                ///< it follows that leader itself
-  bool current : 1 = true;  ///< `hears` is not older than this boat's own loss of that leader
+  bool current : 1 = true;   ///< `hears` is not older than this boat's own loss of that leader
+  bool stopped : 1 = false;  ///< an operator has stopped it
 };
 
 /// This boat.

@@ -112,6 +112,49 @@ TEST_CASE("if the boat that took over from a waiting root fails, the next one sa
   CHECK(harbour.boats[2].state == State::kAuto);
 }
 
+TEST_CASE("a boat that misses an operator's HOLD of all boats stops too") {
+  for (std::size_t missed = 1; missed < 4; ++missed) {
+    for (const bool leader_last : {false, true}) {
+      CAPTURE(missed);
+      CAPTURE(leader_last);
+      Harbour harbour = under_way();
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::size_t who = leader_last ? 3 - i : i;
+        if (who == missed) continue;
+        harbour.boats[who].state = State::kHold;
+        harbour.boats[who].stopped = true;
+        harbour.sail(0.3);
+      }
+      harbour.sail(3);
+      CHECK(harbour.boats[missed].state == State::kHold);
+      harbour.boats[missed].state = State::kLoiter;  // by its operator
+      harbour.sail(5);
+      CHECK(harbour.boats[missed].state == State::kLoiter);
+    }
+  }
+}
+
+TEST_CASE("boats that have restarted, or are stopped while the leader sails on, stop no other") {
+  for (const bool restarted : {false, true}) {
+    CAPTURE(restarted);
+    Harbour harbour = under_way();
+    for (const std::size_t who : {2U, 3U}) {
+      if (restarted) harbour.boats[who].fleet = {};
+      harbour.boats[who].state = State::kDisarmed;
+      harbour.boats[who].stopped = true;
+    }
+    harbour.sail(5);
+    if (restarted) {
+      harbour.boats[0].state = State::kHold;
+      harbour.boats[0].stopped = true;
+    } else {
+      harbour.boats[0].on = false;
+    }
+    harbour.sail(3);
+    CHECK(harbour.boats[1].state == (restarted ? State::kLoiter : State::kAuto));
+  }
+}
+
 TEST_CASE("a boat that yields follows as soon as it can") {
   Harbour harbour = yielding();
   harbour.sail(5);
