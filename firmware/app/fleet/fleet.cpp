@@ -243,7 +243,10 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   sailed_ = sailed_ || core::law_drives(state);
   bool stops = stops_;
   if (const auto rank = rank_in(table, system_)) {
-    peers_.update(table->count, leader_limit_us + kMore_us, now_us);
+    if (peers_.update(table->count, leader_limit_us + kMore_us, now_us)) {
+      beacon_us_ = now_us;  // parts of the fleet meet
+      repeats_ = std::max(repeats_, kRepeats_us.size());
+    }
     const bool follows = core::follows(state);
     const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
     const bool alone = core::sails_alone(state);

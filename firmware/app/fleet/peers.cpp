@@ -101,18 +101,24 @@ void FleetPeers::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon,
   }
 }
 
-void FleetPeers::update(std::size_t count, std::int64_t limit_us, std::int64_t now_us) {
+bool FleetPeers::update(std::size_t count, std::int64_t limit_us, std::int64_t now_us) {
+  bool returns = false;
   for (std::size_t rank = 0; rank < count; ++rank) {
     const Heard& heard = heard_[rank];
     FleetPeer& peer = peers_[rank];
-    peer.heard = now_us - heard.at_us < limit_us;
+    const bool was_heard = std::exchange(peer.heard, now_us - heard.at_us < limit_us);
+    returns = returns || (peer.heard && !was_heard);
     const bool faulty = heard.ahead_ms != 0 && ms_of(now_us) - heard.ahead_ms >= kAhead_ms;
     peer.leads = peer.leads && !faulty;
+    const auto since_ds = static_cast<std::uint16_t>(deciseconds(now_us) - heard.beacon_ds);
+    peer.recent = heard.component != 0 && since_ds < kOvertaken_ds;
+    // Meanwhile another boat may lead, or this one have been sent elsewhere.
+    if (!peer.heard && !peer.recent) peer.leads = false;
     if (peer.hears >= count) continue;
     const std::int64_t lost_us = now_us - heard_[peer.hears].at_us - limit_us;
-    const auto since_ds = static_cast<std::uint16_t>(deciseconds(now_us) - heard.beacon_ds);
     peer.current = 100'000 * (since_ds + std::int64_t{1}) < lost_us;
   }
+  return returns;
 }
 
 }  // namespace flotilla::app

@@ -31,8 +31,9 @@ class FleetPeers {
   void take(std::size_t rank, const link::FleetBeacon& beacon, const FleetLedger& ledger,
             std::int64_t now_us);
 
-  /// Once a tick: members that were silent for limit_us are no longer heard.
-  void update(std::size_t count, std::int64_t limit_us, std::int64_t now_us);
+  /// Once a tick: members that were silent for limit_us are no longer heard. True if one that was
+  /// silent is heard again. If it led, it counts as a leader only after its next beacon.
+  [[nodiscard]] bool update(std::size_t count, std::int64_t limit_us, std::int64_t now_us);
 
   /// By rank; this boat's own is not kept up to date.
   const std::array<FleetPeer, FleetTable::kMax>& all() const { return peers_; }

@@ -42,6 +42,18 @@ std::size_t told_leader(std::size_t own, std::span<const FleetPeer> peers, bool 
   return best;
 }
 
+/// Other members are heard, and none of them reports that it hears another leader.
+bool all_lack_leader(std::size_t own, std::span<const FleetPeer> peers) {
+  bool told = false;
+  for (std::size_t rank = 0; rank < peers.size(); ++rank) {
+    const FleetPeer& peer = peers[rank];
+    if (rank == own || !peer.heard) continue;
+    if (peer.hears < peers.size() && peer.hears != own) return false;
+    told = told || peer.recent;
+  }
+  return told;
+}
+
 }  // namespace
 
 void Succession::begin(const FleetTable& table) {
@@ -100,7 +112,7 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   } else {
     const bool is_root = table.members[self.rank].leader == 0;
     const bool none_leads = other == kNobody && told == kNobody;
-    const bool begins = is_root && none_leads && !under_way_;
+    const bool begins = is_root && none_leads && !under_way_ && all_lack_leader(self.rank, peers);
     leads_ = goes_on || (self.alone && (self.ordered || begins));
   }
   if (other == kNobody && told == kNobody && !led && under_way_ && self.fit &&

@@ -21,6 +21,7 @@ struct FleetPeer {
   bool behind : 1 = false;                ///< it follows that leader itself
   bool current : 1 = true;   ///< `hears` is not older than this boat's own loss of that leader
   bool stopped : 1 = false;  ///< an operator has stopped it
+  bool recent : 1 = true;    ///< its latest beacon is a few seconds old at most
 };
 
 /// This boat.
@@ -48,7 +49,8 @@ enum class FleetOrder : std::uint8_t {
 /// is none, the first fit member that can lead takes over, but only once the fleet is under way:
 /// after a member has led it. If a boat has stopped since, or was ordered to follow instead of
 /// leading, the fleet counts as under way for it only when a member leads again. The table's root
-/// also leads in LOITER and RTL if it was in that mode before the fleet was under way.
+/// also leads in LOITER and RTL if it was in that mode before the fleet was under way, once it hears
+/// another member: if that member's fleet has a leader, the root leaves the fleet to it.
 ///
 /// A mode that an operator or a failsafe sets stays, but a leader's AUTO or GUIDED ends if a
 /// better leader appears, and every mode without a leader ends if the table no longer lets the

@@ -10,6 +10,7 @@ namespace flotilla::app {
 namespace {
 
 using core::State;
+using testing::Boat;
 using testing::Harbour;
 using testing::kOperator;
 using testing::table_of_four;
@@ -99,6 +100,44 @@ TEST_CASE("a root in LOITER or RTL leaves the fleet to the boat that already lea
     CHECK(harbour.boats[1].state == State::kAuto);
     CHECK(harbour.leader_of(2) == 2);
   }
+}
+
+TEST_CASE("a root that is sent to LOITER or RTL out of reach leaves the fleet to its leader") {
+  for (const State state : {State::kLoiter, State::kReturn}) {
+    for (int start = 0; start < 24; ++start) {
+      CAPTURE(static_cast<int>(state));
+      CAPTURE(start);
+      Harbour harbour = under_way();
+      harbour.cut_off(0);
+      harbour.boats[0].state = State::kHold;  // a failure
+      harbour.sail(3 + 0.05 * start);
+      REQUIRE(harbour.boats[1].state == State::kAuto);
+      harbour.boats[0].state = state;
+      harbour.sail(5);
+      harbour.reach(0);
+      harbour.sail(5);
+      CHECK(harbour.boats[0].state == state);
+      CHECK(harbour.boats[1].state == State::kAuto);
+      CHECK(harbour.leader_of(2) == 2);
+    }
+  }
+}
+
+TEST_CASE("a root that waits alone leads as soon as it hears the others, if none of them leads") {
+  Harbour harbour;
+  for (Boat& boat : harbour.boats) boat.state = State::kHold;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  harbour.cut_off(0);
+  harbour.boats[0].state = State::kLoiter;
+  harbour.sail(5);
+  harbour.reach(0);
+  for (std::size_t who = 1; who < 4; ++who) harbour.boats[who].state = State::kFormation;
+  harbour.sail(3);
+  CHECK(harbour.leader_of(1) == 1);
+  harbour.boats[0].on = false;
+  harbour.sail(3);
+  CHECK(harbour.boats[1].state == State::kLoiter);
 }
 
 TEST_CASE("if the boat that took over from a waiting root fails, the next one sails on") {
