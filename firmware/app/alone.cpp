@@ -45,7 +45,8 @@ void Alone<S>::start_plan(std::int64_t now_us) {
   pilot_.start_plan({.plan = missions.plan(),
                      .first = missions.current(),
                      .start_m = missions.start_m(missions.current()),
-                     .home = home()},
+                     .home = home(),
+                     .progress = missions.progress()},
                     configuration().plan);
   reached_.reset();
   pilot_.reports().forget_waits(now_us);
@@ -193,7 +194,7 @@ core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
   const PlanVessel<S>& sailed = pilot_.plan_vessel();
   auto reached = sailed.reached();
   if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
-  vehicle_.sailed(sailed.item(), reached, sailed.has_arrived(), counters_);
+  vehicle_.sailed(sailed.ahead(), reached, sailed.has_arrived(), counters_);
   if (!reached || reached_ == *reached) return out;
   reached_ = static_cast<std::uint16_t>(*reached);
   set_home_of_plan(*reached);

@@ -54,7 +54,7 @@ void Membership::lead() {
   MissionService& missions = vehicle_.missions();
   const std::uint32_t plan_id = fleet().last_plan_id();
   const bool shared = plan_id != 0 && plan_id == missions.id(Stored::kPlan);
-  const bool there = shared && missions.set_current(fleet().place().item);
+  const bool there = shared && missions.set_current(fleet().place().item, true);
   const bool sails = there && fleet().place().plan_id != 0;
   if (sails && vehicle_.obey(core::Request::kAuto, counters_)) return;
   vehicle_.obey(core::Request::kLoiter, counters_);

@@ -96,7 +96,7 @@ class Senders {
       case 6:
         return time_passes();
       case 7:
-        boat_.service.set_current(in_.byte() % 20U);
+        boat_.service.set_current(in_.byte() % 20U, in_.byte() % 2U == 0);
         return;
       case 8:
         boat_.service.enable_fence((in_.byte() & 1U) != 0);
@@ -229,7 +229,8 @@ class Senders {
     const Guard guard;
     boat_.service.check_way(here, kDefaults);
     boat_.service.return_place(here, {kLatitude, kLongitude}, kDefaults, 100.0F);
-    boat_.service.sailed(boat_.service.current(), false);
+    const auto item = static_cast<std::uint16_t>(boat_.service.current());
+    boat_.service.sailed({item, boat_.service.progress().jumps()}, false);
   }
 
   Stream& in_;

@@ -8,10 +8,21 @@ import math
 import numpy as np
 import pytest
 
-from tests.target.hull import Helmsman, Hull
-from tests.target.plans import FENCE, ITEM_ACCEPTED, Item, Planner, as_sent, at, box, plan_of
-from tests.target.sea import named
-from tests.target.test_auto import at_sea, place, progress, reached, sailing
+from tests.target.hull import Afloat, Helmsman, Hull
+from tests.target.plans import (
+    FENCE,
+    ITEM_ACCEPTED,
+    Item,
+    Planner,
+    as_sent,
+    at,
+    box,
+    plan_of,
+    speed,
+)
+from tests.target.sea import Tick, acks, named
+from tests.target.stations import ACCEPTED, DENIED, HOLD
+from tests.target.test_auto import AUTO, SET_CURRENT, at_sea, place, progress, reached, sailing
 from tests.target.test_fence_kept import fenced, send, words
 
 TURNS, RETURN, CONDITION_DELAY, JUMP, SET_HOME = 18, 20, 112, 177, 179
@@ -110,6 +121,57 @@ def test_a_jump_is_taken_as_often_as_it_says() -> None:
     sea = sailing([at(4, 0), at(0, 0), bare(JUMP, 0.0, 2.0), at(0, 3)])
     ticks = sea.run(150.0)
     assert reached(ticks) == [0, 1, 0, 1, 0, 1, 3] and progress(sea)[2] == COMPLETE
+
+
+ROUNDS = [at(4, 0), at(0, 0), speed(0.3), bare(JUMP, 0.0, 2.0), at(0, 3)]
+
+
+def in_second_round() -> Afloat:
+    """A boat in HOLD, which has sailed ROUNDS to item 1 and once again to item 0."""
+    sea = sailing(ROUNDS)
+    told: list[int] = []
+    while told != [0, 1, 0]:
+        told += reached(sea.run(0.5))
+        assert len(told) < 4
+    sea.mode(HOLD)
+    sea.run(2.0)
+    return sea
+
+
+def test_a_plan_that_goes_on_has_taken_its_jumps_and_keeps_its_speed() -> None:
+    sea = in_second_round()
+    sea.mode(AUTO)
+    ticks: list[Tick] = []
+    for _ in range(120):
+        ticks += sea.run(1.0)
+        assert sea.hull.seen.u < 0.35
+    assert reached(ticks) == [1, 0, 1, 4] and progress(sea)[2] == COMPLETE
+    sea.mode(HOLD)
+    sea.mode(AUTO)
+    assert reached(sea.run(180.0)) == [0, 1, 0, 1, 0, 1, 4]
+
+
+@pytest.mark.parametrize(
+    ("params", "rest"),
+    [
+        ((1.0, 0.0), [1, 0, 1, 4]),
+        ((1.0, math.nan), [1, 0, 1, 4]),
+        ((1.0, 1.0), [1, 0, 1, 0, 1, 4]),
+        ((0.0, 0.0), [0, 1, 0, 1, 0, 1, 4]),
+    ],
+    ids=["an item", "NaN", "reset", "the first item"],
+)
+def test_jumps_count_anew_with_a_reset_or_at_the_first_item(
+    params: tuple[float, float], rest: list[int]
+) -> None:
+    sea = in_second_round()
+    assert acks(sea.order(SET_CURRENT, *params)) == [(SET_CURRENT, ACCEPTED)]
+    assert reached([sea.mode(AUTO), *sea.run(180.0)]) == rest
+
+
+def test_a_reset_that_is_neither_0_nor_1_is_denied() -> None:
+    sea = at_sea(ROUNDS)
+    assert acks(sea.order(SET_CURRENT, 1.0, 2.0)) == [(SET_CURRENT, DENIED)]
 
 
 def test_a_jump_for_ever_goes_on_for_ever() -> None:

@@ -148,9 +148,11 @@ DecodedCommand enable_fence(const Command& c) {
 
 DecodedCommand set_item(const Command& c) {
   const auto item = whole(c.param[0], 65535);
-  if (!item) return denied();
+  const bool anew = c.param[1] == 1;
+  if (!item || !(anew || unused(c.param[1]))) return denied();
   DecodedCommand asked{mav::kAccepted};
   asked.item = *item;
+  asked.anew = anew;
   return asked;
 }
 

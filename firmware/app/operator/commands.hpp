@@ -73,6 +73,7 @@ struct DecodedCommand {
   std::optional<MessageRate> rate{};
   std::optional<Failure> failure{};   ///< supported only by hosts that simulate
   std::optional<std::size_t> item{};  ///< of the plan, to continue from
+  bool anew = false;                  ///< with `item`: no jump counts as taken
   std::optional<bool> paused{};       ///< of the plan or the errand
   std::optional<Target> target{};     ///< with Request::kGuided, or for a boat in GUIDED
   std::optional<bool> fence{};        ///< on or off

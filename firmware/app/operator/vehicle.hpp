@@ -119,7 +119,7 @@ class Vehicle {
 
   /// Takes the progress of AUTO: the item ahead, and the last one reached. complete: the plan is at
   /// its end.
-  void sailed(std::size_t item, std::optional<std::size_t> reached, bool complete,
+  void sailed(const PlanMark& ahead, std::optional<std::size_t> reached, bool complete,
               link::Counters& counters);
 
   /// Disarms the boat in the next tick, after all other requests.

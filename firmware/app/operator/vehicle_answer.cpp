@@ -197,7 +197,7 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
     asked.why = missions_.refusal_of_way(*here, *asked.item, configuration_.plan);
     if (!asked.why.empty()) return mav::kDenied;
   }
-  if (!missions_.set_current(*asked.item)) return mav::kDenied;
+  if (!missions_.set_current(*asked.item, asked.anew)) return mav::kDenied;
   if (supervisor_.state() == core::State::kAuto) orders_.pause(false);
   return mav::kAccepted;
 }

@@ -51,9 +51,9 @@ std::optional<PlanReport> Vehicle::plan_report() const {
                     missions_.id(Stored::kRally)};
 }
 
-void Vehicle::sailed(std::size_t item, std::optional<std::size_t> reached, bool complete,
+void Vehicle::sailed(const PlanMark& ahead, std::optional<std::size_t> reached, bool complete,
                      link::Counters& counters) {
-  missions_.sailed(item, complete);
+  missions_.sailed(ahead, complete);
   if (std::exchange(reached_, reached) == reached || !reached) return;
   links_.broadcast(link::MissionItemReached{static_cast<std::uint16_t>(*reached)}, counters);
   sender_.streams().make_due(link::MissionCurrent::kId);

@@ -131,7 +131,7 @@ PlanFault fault_of_jump(Plan plan, const PlanDefaults& defaults) {
     return {mav::kMissionInvalidParam1, "jump to a jump"};
   }
   const auto jumps = static_cast<std::size_t>(std::ranges::count_if(plan, is_jump));
-  return jumps > PlanReader::kJumps ? PlanFault{mav::kMissionNoSpace, {}} : PlanFault{};
+  return jumps > PlanProgress::kJumps ? PlanFault{mav::kMissionNoSpace, {}} : PlanFault{};
 }
 
 PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
@@ -236,35 +236,53 @@ PlanFault fault_of(Plan plan) {
 }
 
 void PlanReader::begin(Plan plan, std::size_t first, const PlanDefaults& defaults,
-                       const std::optional<convert::GlobalPoint>& home) {
+                       const std::optional<convert::GlobalPoint>& home,
+                       const PlanProgress& progress) {
   *this = {};
   defaults_ = defaults;
+  progress_ = progress;
   home_ = home;
   first_ = first;
-  if (defaults.fastest_mps > 0) {
-    defaults_.speed_mps = std::min(defaults.speed_mps, defaults.fastest_mps);
-  }
-  speed_mps_ = defaults_.speed_mps;
   while (at_ < std::min(first, plan.size())) note(plan[at_++]);
 }
 
-/// Notes the item's place, and the speed and home that it sets.
+/// Notes the item's place, and the home that it sets.
 void PlanReader::note(const PlanItem& item) {
   if (const auto place = place_of(item)) last_ = place;
   if (item.command == mav::kDoSetHome) home_ = sets_home_here(item) ? last_ : home_of(item);
+}
+
+float PlanReader::speed_mps() const {
+  const float told_mps = progress_.speed_mps() > 0 ? progress_.speed_mps() : defaults_.speed_mps;
+  return defaults_.fastest_mps > 0 ? std::min(told_mps, defaults_.fastest_mps) : told_mps;
+}
+
+std::size_t PlanProgress::pass(Plan plan, std::size_t item) {
+  note_speed(plan[item]);
+  if (plan[item].command != mav::kDoJump || !take_jump(plan[item], item)) return item + 1;
+  ++taken_;
+  return jump_of(plan[item], {});
+}
+
+void PlanProgress::go_to(Plan plan, std::size_t item, bool anew) {
+  if (anew) *this = {};
+  speed_mps_ = 0;
+  for (const PlanItem& before : plan.first(item)) note_speed(before);
+}
+
+void PlanProgress::note_speed(const PlanItem& item) {
   if (item.command != mav::kDoChangeSpeed) return;
   const float told_mps = or_zero(item.param[1]);
-  const float most_mps = defaults_.fastest_mps > 0 ? defaults_.fastest_mps : told_mps;
-  if (told_mps > 0) speed_mps_ = std::min(told_mps, most_mps);
-  if (told_mps == -2) speed_mps_ = defaults_.speed_mps;
+  if (told_mps > 0) speed_mps_ = told_mps;
+  if (told_mps == -2) speed_mps_ = 0;
 }
 
 /// Counts the jump; true if it is taken.
-bool PlanReader::take_jump(const PlanItem& item) {
+bool PlanProgress::take_jump(const PlanItem& item, std::size_t at) {
   const float times = or_zero(item.param[1]);
   for (Jump& jump : jumps_) {
-    if (jump.taken < 0) jump = {static_cast<std::uint16_t>(at_), 0};
-    if (jump.item != at_) continue;
+    if (jump.taken < 0) jump = {static_cast<std::uint16_t>(at), 0};
+    if (jump.item != at) continue;
     if (times >= 0 && static_cast<float>(jump.taken) >= times) {
       jump.taken = 0;  // an outer jump may lead here again
       return false;
@@ -278,7 +296,7 @@ bool PlanReader::take_jump(const PlanItem& item) {
 PlanPoint PlanReader::point_of(const PlanItem& item, const convert::GlobalPoint& place) {
   const float told_m = item.command == mav::kNavWaypoint ? or_zero(item.param[1]) : 0;
   last_ = place;
-  return {at_, place, speed_mps_, told_m > 0 ? told_m : defaults_.radius_m};
+  return {mark(), place, speed_mps(), told_m > 0 ? told_m : defaults_.radius_m};
 }
 
 convert::GlobalPoint corner_of(const PlanItem& item, const PlanDefaults& defaults,
@@ -306,7 +324,7 @@ PlanPoint PlanReader::on_circle(const PlanItem& item) {
     octant_ = static_cast<std::uint16_t>((octant_ + on) % 8);
   }
   ++octants_;
-  return {at_, corner_of(item, defaults_, octant_), speed_mps_, kLargestRadius_m};
+  return {mark(), corner_of(item, defaults_, octant_), speed_mps(), kLargestRadius_m};
 }
 
 std::optional<PlanPoint> PlanReader::next(Plan plan) {
@@ -331,11 +349,7 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
     }
     if (waits(item) && !is_voyage(item) && point) point->wait_s += or_zero(item.param[0]);
     note(item);
-    if (item.command == mav::kDoJump && take_jump(item)) {
-      at_ = jump_of(item, defaults_);
-      continue;
-    }
-    ++at_;
+    at_ = progress_.pass(plan, at_);
   }
   return point;
 }

@@ -89,9 +89,47 @@ PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults);
 /// Judges a whole plan whose items are each sound.
 PlanFault fault_of(Plan plan);
 
+/// How the items that a boat has passed affect the rest of its plan.
+class PlanProgress {
+ public:
+  static constexpr std::size_t kJumps = 4;  ///< in a plan
+
+  /// Executes the item if it is a jump or a speed; returns the number of the item that follows.
+  std::size_t pass(Plan plan, std::size_t item);
+
+  /// Goes to an item, past all others: with the speed that those before it set. anew: no jump
+  /// counts as taken.
+  void go_to(Plan plan, std::size_t item, bool anew);
+
+  /// The speed that the plan has set; 0: none.
+  float speed_mps() const { return speed_mps_; }
+  /// Jumps taken, modulo 65,536.
+  std::uint16_t jumps() const { return taken_; }
+
+ private:
+  struct Jump {
+    std::uint16_t item = 0;
+    std::int16_t taken = -1;  // times; −1: free
+  };
+
+  void note_speed(const PlanItem& item);
+  bool take_jump(const PlanItem& item, std::size_t at);
+
+  std::array<Jump, kJumps> jumps_{};
+  std::uint16_t taken_ = 0;
+  float speed_mps_ = 0;
+};
+
+/// An item, and the jumps taken on the way to it, modulo 65,536.
+struct PlanMark {
+  static constexpr std::uint16_t kNone = 0xFFFF;
+  std::uint16_t item = kNone, jumps = 0;
+  bool is_item() const { return item != kNone; }
+};
+
 /// A point where the plan leads, and what happens there.
 struct PlanPoint {
-  std::size_t item = 0;  ///< the item that names the place
+  PlanMark mark{};  ///< the item that names the place
   convert::GlobalPoint place{};
   float speed_mps = 0;  ///< on the way there
   float radius_m = 0;   ///< how far the rounded corner may pass from it
@@ -101,33 +139,27 @@ struct PlanPoint {
 /// Reads the points of a sound plan in order.
 class PlanReader {
  public:
-  static constexpr std::size_t kJumps = 4;  ///< in a plan
-
-  /// Begins with the first point at item `first` or later, and with no jump taken. home: where
-  /// NAV_RETURN_TO_LAUNCH leads; unknown: the plan ends there.
+  /// Begins with the first point at item `first` or later. home: where NAV_RETURN_TO_LAUNCH leads;
+  /// unknown: the plan ends there.
   void begin(Plan plan, std::size_t first, const PlanDefaults& defaults,
-             const std::optional<convert::GlobalPoint>& home = {});
+             const std::optional<convert::GlobalPoint>& home = {},
+             const PlanProgress& progress = {});
 
   /// The next point; nothing after the last. A voyage that measures the hull ends the reading,
   /// unless the reading begins with it: how the plan continues is decided after the voyage.
   std::optional<PlanPoint> next(Plan plan);
 
  private:
-  struct Jump {
-    std::uint16_t item = 0;
-    std::int16_t taken = -1;  // times; −1: free
-  };
-
   void note(const PlanItem& item);
-  bool take_jump(const PlanItem& item);
+  PlanMark mark() const { return {static_cast<std::uint16_t>(at_), progress_.jumps()}; }
+  float speed_mps() const;
   PlanPoint point_of(const PlanItem& item, const convert::GlobalPoint& place);
   PlanPoint on_circle(const PlanItem& item);
 
   PlanDefaults defaults_;
   std::size_t at_ = 0, first_ = 0;  // items
-  float speed_mps_ = 0;
+  PlanProgress progress_;
   std::optional<convert::GlobalPoint> home_, last_;
-  std::array<Jump, kJumps> jumps_{};
   std::uint16_t octants_ = 0, octant_ = 0;  // of a circle: covered; the present one, from the north
 };
 

@@ -25,15 +25,15 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
                           const core::Motion<S>& motion) {
   from_ = own;
   start_m_ = voyage.start_m;
-  first_ = static_cast<std::uint16_t>(voyage.first);
+  first_ = {static_cast<std::uint16_t>(voyage.first), voyage.progress.jumps()};
   limits_ = limits;
   points_[0] = {};
-  items_ = {};
+  marks_ = {};
   count_ = 1;
   unread_ = false;
   sound_ = true;
   seen_ = 0;
-  reader_.begin(voyage.plan, voyage.first, defaults, voyage.home);
+  reader_.begin(voyage.plan, voyage.first, defaults, voyage.home, voyage.progress);
   fill(voyage.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);
@@ -78,12 +78,12 @@ bool PlanVessel<S>::add(const PlanPoint& point) {
   sound_ = sound_ && (count_ > 1 || (near && leg <= convert::scalar<S>(start_m_)));
   if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
     last.wait = core::min(last.wait, convert::scalar<S>(kLongestWait_s) - wait) + wait;
-    items_[count_ - 1] = point.item;
+    marks_[count_ - 1] = point.mark;
     return true;
   }
   points_[count_] = {way, convert::scalar<S>(point.speed_mps), convert::scalar<S>(point.radius_m),
                      wait};
-  items_[count_] = point.item;
+  marks_[count_] = point.mark;
   ++count_;
   return true;
 }
@@ -144,7 +144,7 @@ void PlanVessel<S>::forward(Plan plan, const BoatBehind<S>& boat, bool paused, S
   scout_.next -= std::min(scout_.next, passed);
   std::shift_left(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(count_),
                   static_cast<std::ptrdiff_t>(passed));
-  std::shift_left(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(count_),
+  std::shift_left(marks_.begin(), marks_.begin() + static_cast<std::ptrdiff_t>(count_),
                   static_cast<std::ptrdiff_t>(passed));
   count_ -= passed;
   state_.next = 1;
@@ -202,7 +202,8 @@ template <class S>
 std::optional<std::size_t> PlanVessel<S>::reached() const {
   using enum core::RoutePhase;
   const bool under_way = state_.phase == kLeg || state_.phase == kCorner;
-  return items_[under_way ? state_.next - 1 : state_.next];
+  const PlanMark& mark = marks_[under_way ? state_.next - 1 : state_.next];
+  return mark.is_item() ? std::optional<std::size_t>(mark.item) : std::nullopt;
 }
 
 template <class S>

@@ -21,6 +21,7 @@ struct Voyage {
   std::size_t first = 0;         ///< begins with the first place at that item or later
   float start_m = kPlanStart_m;  ///< the farthest that this place may be from the boat
   std::optional<convert::GlobalPoint> home{};
+  PlanProgress progress{};
 };
 
 /// The boat that follows the vessel, off_m away; from far_m on the vessel waits for it.
@@ -70,7 +71,13 @@ class PlanVessel {
 
   /// The item whose place is ahead, or where the vessel waits or turns; the item where it started,
   /// if no place follows.
-  std::size_t item() const { return items_[state_.next].value_or(items_[1].value_or(first_)); }
+  PlanMark ahead() const {
+    for (const std::size_t i : {state_.next, std::size_t{1}}) {
+      if (marks_[i].is_item()) return marks_[i];
+    }
+    return first_;
+  }
+  std::size_t item() const { return ahead().item; }
 
   /// The item whose place was reached last, if any since the start.
   std::optional<std::size_t> reached() const;
@@ -93,11 +100,11 @@ class PlanVessel {
 
   convert::Position from_;
   float start_m_ = 0;
-  std::uint16_t first_ = 0;  // item where it started
+  PlanMark first_;  // where it started
   core::RouteParams<S> limits_;
   PlanReader reader_;
   std::array<core::Waypoint<S>, kWindow> points_{};
-  std::array<std::optional<std::size_t>, kWindow> items_{};  // none: where it started
+  std::array<PlanMark, kWindow> marks_{};  // kNone: where it started
   std::size_t count_ = 1;
   core::RouteState<S> state_{};
   bool sound_ = false;

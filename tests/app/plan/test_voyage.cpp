@@ -374,15 +374,15 @@ TEST_CASE("the plan is read up to a voyage, and beyond it if reading begins ther
   const std::array plan{waypoint(410'000'000), voyage_item(), waypoint(410'001'000)};
   PlanReader reader;
   reader.begin(plan, 0, {.speed_mps = 0.5F, .radius_m = 2});
-  CHECK(reader.next(plan)->item == 0);
-  CHECK(reader.next(plan)->item == 1);
+  CHECK(reader.next(plan)->mark.item == 0);
+  CHECK(reader.next(plan)->mark.item == 1);
   CHECK_FALSE(reader.next(plan));
   reader.begin(plan, 1, {.speed_mps = 0.5F, .radius_m = 2});
   const auto centre = reader.next(plan);
   REQUIRE(centre);
-  CHECK(centre->item == 1);
+  CHECK(centre->mark.item == 1);
   CHECK(centre->wait_s == 0);
-  CHECK(reader.next(plan)->item == 2);
+  CHECK(reader.next(plan)->mark.item == 2);
   CHECK_FALSE(reader.next(plan));
 }
 

@@ -253,6 +253,7 @@ void MissionService::replace(Stored kind, Plan items) {
   check_.begin();
   way_why_ = {};
   current_ = homes_of(plan());
+  progress_ = {};
   complete_ = false;
   jumped_ = false;
 }
@@ -302,9 +303,11 @@ std::optional<MissionService::News> MissionService::take_news() {
   return std::exchange(news_, std::nullopt);
 }
 
-bool MissionService::set_current(std::size_t item) {
+bool MissionService::set_current(std::size_t item, bool anew) {
   if (item >= store(Stored::kPlan).count) return false;
-  current_ = std::max(item, homes_of(plan()));
+  const std::size_t first = homes_of(plan());
+  current_ = std::max(item, first);
+  progress_.go_to(plan(), current_, anew || current_ == first);
   complete_ = false;
   jumped_ = true;
   way_why_ = {};
@@ -313,8 +316,17 @@ bool MissionService::set_current(std::size_t item) {
 
 bool MissionService::take_jump() { return std::exchange(jumped_, false); }
 
-void MissionService::sailed(std::size_t item, bool complete) {
-  current_ = complete ? homes_of(plan()) : item;
+void MissionService::sailed(const PlanMark& ahead, bool complete) {
+  const auto is_there = [&] {
+    return complete || (current_ == ahead.item && progress_.jumps() == ahead.jumps);
+  };
+  // Places that are too near to tell apart may be passed in any number.
+  std::size_t left = 4 * plan().size();
+  while (left-- > 0 && current_ < plan().size() && !is_there()) {
+    current_ = progress_.pass(plan(), current_);
+  }
+  current_ = complete ? homes_of(plan()) : ahead.item;
+  if (complete) progress_ = {};
   complete_ = complete;
 }
 

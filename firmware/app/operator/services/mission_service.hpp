@@ -85,13 +85,16 @@ class MissionService {
 
   /// The item to which the boat sails next, and with which AUTO begins.
   std::size_t current() const { return current_; }
-  bool is_begun() const { return current_ > homes_of(plan()); }
+  bool is_begun() const { return current_ > homes_of(plan()) || progress_.jumps() > 0; }
   bool is_complete() const { return complete_; }
-  /// False if there is no such item.
-  bool set_current(std::size_t item);
+  /// False if there is no such item. anew, or at the first item: no jump counts as taken.
+  bool set_current(std::size_t item, bool anew);
   /// Whether an operator has set the current item since the last call.
   bool take_jump();
-  void sailed(std::size_t item, bool complete);
+  /// Passes the items up to the one ahead. complete: the plan is at its end.
+  void sailed(const PlanMark& ahead, bool complete);
+  /// Of the plan, up to the current item.
+  const PlanProgress& progress() const { return progress_; }
 
   const Fence& fence() const { return fence_; }
   /// Draws the fence's map from the boat's origin.
@@ -172,6 +175,7 @@ class MissionService {
   float checked_margin_m_ = 0;
   std::string_view way_why_{};
   std::size_t current_ = 0;
+  PlanProgress progress_;
   bool complete_ = false, jumped_ = false;
   std::optional<Upload> upload_;
   std::optional<News> news_;

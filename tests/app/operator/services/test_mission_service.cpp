@@ -106,5 +106,47 @@ TEST_CASE(
   CHECK(refusal(0, 4100) == "over 4 km from the fence");
 }
 
+/// All points of a plan of MissionService, from its current item on.
+std::vector<PlanPoint> points_of(const MissionService& service, const PlanDefaults& defaults) {
+  PlanReader reader;
+  reader.begin(service.plan(), service.current(), defaults, {}, service.progress());
+  std::vector<PlanPoint> points;
+  while (const auto point = reader.next(service.plan())) points.push_back(*point);
+  return points;
+}
+
+TEST_CASE("a plan that is stopped on the way to any place goes on as it would have") {
+  const auto bare = [](std::uint16_t command, float param1, float param2) {
+    return PlanItem{{param1, param2}, 0, 0, 0, command, 2, 1};
+  };
+  const std::vector<PlanItem> plan{
+      item(mav::kNavWaypoint, 0, 0),      item(mav::kNavWaypoint, 50, 0),
+      bare(mav::kDoChangeSpeed, 1, 0.3F), item(mav::kNavLoiterTurns, 50, 50, 0.5F),
+      bare(mav::kDoJump, 1, 2),           item(mav::kNavWaypoint, 0, 50),
+      bare(mav::kDoChangeSpeed, 1, -2),   bare(mav::kDoJump, 0, 1),
+      item(mav::kNavWaypoint, -50, 0)};
+  std::array<PlanItem, 9> stored, incoming;
+  MissionService service{{{stored, {}, {}}, incoming, {}}, false};
+  const PlanDefaults defaults{.speed_mps = 0.5F, .radius_m = 2};
+  REQUIRE_FALSE(service.restore(Stored::kPlan, plan, defaults));
+  const std::vector<PlanPoint> all = points_of(service, defaults);
+  REQUIRE(all.size() == 2 * (1 + 3 * 6 + 1) + 1);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    CAPTURE(i);
+    service.sailed(all[i].mark, false);
+    const bool in_circle = i > 0 && all[i].mark.item == all[i - 1].mark.item;
+    if (in_circle) continue;  // the boat sails the whole circle again
+    const auto rest = points_of(service, defaults);
+    REQUIRE(rest.size() == all.size() - i);
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      CHECK(rest[k].mark.item == all[i + k].mark.item);
+      CHECK(rest[k].mark.jumps == all[i + k].mark.jumps);
+      CHECK(rest[k].speed_mps == all[i + k].speed_mps);
+    }
+  }
+  service.sailed(all.back().mark, true);
+  CHECK(points_of(service, defaults).size() == all.size());
+}
+
 }  // namespace
 }  // namespace flotilla::app
