@@ -10,8 +10,10 @@ import pytest
 
 from tests.target.hull import Afloat, Helmsman, Hull
 from tests.target.plans import (
+    DELAY,
     FENCE,
     ITEM_ACCEPTED,
+    LOITER_TIME,
     Item,
     Planner,
     as_sent,
@@ -22,7 +24,16 @@ from tests.target.plans import (
 )
 from tests.target.sea import Tick, acks, named
 from tests.target.stations import ACCEPTED, DENIED, HOLD
-from tests.target.test_auto import AUTO, SET_CURRENT, at_sea, place, progress, reached, sailing
+from tests.target.test_auto import (
+    ACTIVE,
+    AUTO,
+    SET_CURRENT,
+    at_sea,
+    place,
+    progress,
+    reached,
+    sailing,
+)
 from tests.target.test_fence_kept import fenced, send, words
 
 TURNS, RETURN, CONDITION_DELAY, JUMP, SET_HOME = 18, 20, 112, 177, 179
@@ -121,6 +132,23 @@ def test_a_jump_is_taken_as_often_as_it_says() -> None:
     sea = sailing([at(4, 0), at(0, 0), bare(JUMP, 0.0, 2.0), at(0, 3)])
     ticks = sea.run(150.0)
     assert reached(ticks) == [0, 1, 0, 1, 0, 1, 3] and progress(sea)[2] == COMPLETE
+
+
+@pytest.mark.parametrize("under_way", [False, True])
+@pytest.mark.parametrize("command", [DELAY, CONDITION_DELAY, LOITER_TIME])
+def test_a_boat_that_is_sent_to_a_delay_waits_where_it_is(command: int, under_way: bool) -> None:
+    sea = at_sea([at(30, 0), bare(command, 20.0)._replace(frame=6), at(0, 10)])
+    if under_way:
+        sea.mode(AUTO)
+        sea.run(10.0)
+    here = place(sea)
+    assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
+    sea.mode(AUTO)
+    for _ in range(18):
+        sea.run(0.97)
+        assert progress(sea) == (1, 3, ACTIVE) and math.dist(place(sea), here) < 1.0
+    sea.run(60.0)
+    assert progress(sea)[2] == COMPLETE and place(sea) == pytest.approx((0, 10), abs=0.1)
 
 
 ROUNDS = [at(4, 0), at(0, 0), speed(0.3), bare(JUMP, 0.0, 2.0), at(0, 3)]

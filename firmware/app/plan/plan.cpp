@@ -235,21 +235,16 @@ PlanFault fault_of(Plan plan) {
   return {};
 }
 
-void PlanReader::begin(Plan plan, std::size_t first, const PlanDefaults& defaults,
+void PlanReader::begin(std::size_t first, const PlanDefaults& defaults,
+                       const convert::GlobalPoint& here,
                        const std::optional<convert::GlobalPoint>& home,
                        const PlanProgress& progress) {
   *this = {};
   defaults_ = defaults;
   progress_ = progress;
   home_ = home;
-  first_ = first;
-  while (at_ < std::min(first, plan.size())) note(plan[at_++]);
-}
-
-/// Notes the item's place, and the home that it sets.
-void PlanReader::note(const PlanItem& item) {
-  if (const auto place = place_of(item)) last_ = place;
-  if (item.command == mav::kDoSetHome) home_ = sets_home_here(item) ? last_ : home_of(item);
+  last_ = here;
+  at_ = first_ = first;
 }
 
 float PlanReader::speed_mps() const {
@@ -310,8 +305,8 @@ convert::GlobalPoint corner_of(const PlanItem& item, const PlanDefaults& default
 /// is towards the place before.
 PlanPoint PlanReader::on_circle(const PlanItem& item) {
   const convert::Position centre{0, 0, {item.x, item.y, 0, 0}};
-  if (octants_ == 0 && last_) {
-    const auto [way, near] = convert::way_to<double>(centre, *last_, 2 * kPlanReach_m);
+  if (octants_ == 0) {
+    const auto [way, near] = convert::way_to<double>(centre, last_, 2 * kPlanReach_m);
     double most = 0;
     for (std::size_t i = 0; near && i < kOctants.size(); ++i) {
       const double along = way.x * double{kOctants[i][0]} + way.y * double{kOctants[i][1]};
@@ -347,8 +342,13 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
       at_ = plan.size();
       return point;
     }
-    if (waits(item) && !is_voyage(item) && point) point->wait_s += or_zero(item.param[0]);
-    note(item);
+    if (waits(item) && !is_voyage(item)) {
+      if (!point) point = point_of(item, last_);
+      point->wait_s += or_zero(item.param[0]);
+    }
+    if (item.command == mav::kDoSetHome) {
+      home_ = sets_home_here(item) ? std::optional(last_) : home_of(item);
+    }
     at_ = progress_.pass(plan, at_);
   }
   return point;

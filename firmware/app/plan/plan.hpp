@@ -139,9 +139,9 @@ struct PlanPoint {
 /// Reads the points of a sound plan in order.
 class PlanReader {
  public:
-  /// Begins with the first point at item `first` or later. home: where NAV_RETURN_TO_LAUNCH leads;
-  /// unknown: the plan ends there.
-  void begin(Plan plan, std::size_t first, const PlanDefaults& defaults,
+  /// Begins with item `first`. here: the boat's place, where it waits if that item is a wait. home:
+  /// where NAV_RETURN_TO_LAUNCH leads; unknown: the plan ends there.
+  void begin(std::size_t first, const PlanDefaults& defaults, const convert::GlobalPoint& here,
              const std::optional<convert::GlobalPoint>& home = {},
              const PlanProgress& progress = {});
 
@@ -150,7 +150,6 @@ class PlanReader {
   std::optional<PlanPoint> next(Plan plan);
 
  private:
-  void note(const PlanItem& item);
   PlanMark mark() const { return {static_cast<std::uint16_t>(at_), progress_.jumps()}; }
   float speed_mps() const;
   PlanPoint point_of(const PlanItem& item, const convert::GlobalPoint& place);
@@ -159,7 +158,8 @@ class PlanReader {
   PlanDefaults defaults_;
   std::size_t at_ = 0, first_ = 0;  // items
   PlanProgress progress_;
-  std::optional<convert::GlobalPoint> home_, last_;
+  std::optional<convert::GlobalPoint> home_;
+  convert::GlobalPoint last_{};
   std::uint16_t octants_ = 0, octant_ = 0;  // of a circle: covered; the present one, from the north
 };
 

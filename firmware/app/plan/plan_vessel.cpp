@@ -33,7 +33,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   unread_ = false;
   sound_ = true;
   seen_ = 0;
-  reader_.begin(voyage.plan, voyage.first, defaults, voyage.home, voyage.progress);
+  reader_.begin(voyage.first, defaults, convert::global_of(own), voyage.home, voyage.progress);
   fill(voyage.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);

@@ -358,8 +358,9 @@ void MissionService::check_plan(const PlanDefaults& defaults) {
 std::string_view MissionService::refusal_of_way(const convert::Position& here, std::size_t item,
                                                 const PlanDefaults& defaults) const {
   PlanReader reader;
-  reader.begin(plan(), std::max(item, homes_of(plan())), defaults);
-  const auto first = reader.next(plan());
+  reader.begin(std::max(item, homes_of(plan())), defaults, convert::global_of(here), {}, progress_);
+  auto first = reader.next(plan());
+  if (first && !place_of(plan()[first->mark.item])) first = reader.next(plan());  // a wait here
   if (!first) return {};
   if (!convert::way_to<double>(here, first->place, start_m(item)).near) return "too far away";
   return fence_.is_on() ? fence_.refusal_of(here, first->place, defaults.margin_m)

@@ -106,10 +106,23 @@ TEST_CASE(
   CHECK(refusal(0, 4100) == "over 4 km from the fence");
 }
 
+TEST_CASE("a boat that is sent to a delay is judged by the way to the place after it") {
+  Kept kept;
+  PlanItem delay{};
+  delay.command = mav::kNavDelay;
+  kept.store(Stored::kPlan,
+             {item(mav::kNavWaypoint, 0, 0), delay, item(mav::kNavWaypoint, 0, 1500)});
+  const auto refusal = [&](double east_m) {
+    return std::string(kept.service.refusal_of_way({0, east_m, kOrigin}, 1, kept.defaults));
+  };
+  CHECK(refusal(-1300).empty());
+  CHECK(refusal(-1500) == "too far away");
+}
+
 /// All points of a plan of MissionService, from its current item on.
 std::vector<PlanPoint> points_of(const MissionService& service, const PlanDefaults& defaults) {
   PlanReader reader;
-  reader.begin(service.plan(), service.current(), defaults, {}, service.progress());
+  reader.begin(service.current(), defaults, point(-50, 0), {}, service.progress());
   std::vector<PlanPoint> points;
   while (const auto point = reader.next(service.plan())) points.push_back(*point);
   return points;
