@@ -48,7 +48,6 @@ void Alone<S>::start_plan(std::int64_t now_us) {
                      .home = home(),
                      .progress = missions.progress()},
                     configuration().plan);
-  reached_.reset();
   pilot_.reports().forget_waits(now_us);
   warnings_.forget_waiting();
 }
@@ -191,13 +190,14 @@ core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
     start_plan(now.now_us);
   }
   const core::ControllerOutput<S> out = sail_items(now, dt);
-  const PlanVessel<S>& sailed = pilot_.plan_vessel();
+  PlanVessel<S>& sailed = pilot_.plan_vessel();
   auto reached = sailed.reached();
   if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
   vehicle_.sailed(sailed.ahead(), reached, sailed.has_arrived(), counters_);
-  if (!reached || reached_ == *reached) return out;
-  reached_ = static_cast<std::uint16_t>(*reached);
-  set_home_of_plan(*reached);
+  if (const auto set = sailed.take_home()) {
+    const auto place = home_of(vehicle_.missions().plan()[*set]);
+    limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
+  }
   return out;
 }
 
@@ -237,17 +237,6 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
   }
   if (voyage_.is_over()) start_plan(now.now_us);
   return out;
-}
-
-/// Executes each DO_SET_HOME between the item reached and the next item with a place.
-template <class S>
-void Alone<S>::set_home_of_plan(std::size_t reached) {
-  const Plan plan = vehicle_.missions().plan();
-  for (std::size_t i = reached + 1; i < plan.size() && !place_of(plan[i]); ++i) {
-    if (plan[i].command != link::mav::kDoSetHome) continue;
-    const auto place = home_of(plan[i]);
-    limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
-  }
 }
 
 template <class S>

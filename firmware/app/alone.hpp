@@ -70,7 +70,6 @@ class Alone {
   core::ControllerOutput<S> sail_plan(const Now& now, S dt);
   core::ControllerOutput<S> sail_items(const Now& now, S dt);
   core::ControllerOutput<S> sail_voyage(const Now& now, S dt);
-  void set_home_of_plan(std::size_t reached);
   std::optional<convert::GlobalPoint> home() const;
   const Configuration& configuration() const { return vehicle_.configuration(); }
 
@@ -80,12 +79,11 @@ class Alone {
   Warnings<S>& warnings_;
   link::Counters& counters_;
 
-  Errands errands_;                       // of GUIDED, LOITER, RTL
-  bool driven_ = false;                   // by velocities, in GUIDED
-  std::optional<Target> asked_;           // target of GUIDED, if one was asked for
-  std::uint8_t lost_s_ = 0;               // since no way was found; 0: the operator was not told
-  VoyagePilot<S> voyage_;                 // of AUTO
-  std::optional<std::uint16_t> reached_;  // item of the plan
+  Errands errands_;              // of GUIDED, LOITER, RTL
+  bool driven_ = false;          // by velocities, in GUIDED
+  std::optional<Target> asked_;  // target of GUIDED, if one was asked for
+  std::uint8_t lost_s_ = 0;      // since no way was found; 0: the operator was not told
+  VoyagePilot<S> voyage_;        // of AUTO
   Schedule way_due_{100'000};
   Schedule leg_due_{1'000'000}, rally_due_{1'000'000};
   bool rally_near_ = false;

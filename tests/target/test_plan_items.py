@@ -7,12 +7,14 @@ import math
 
 import numpy as np
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.hull import Afloat, Helmsman, Hull
 from tests.target.plans import (
     DELAY,
     FENCE,
     ITEM_ACCEPTED,
+    LOITER,
     LOITER_TIME,
     Item,
     Planner,
@@ -149,6 +151,73 @@ def test_a_boat_that_is_sent_to_a_delay_waits_where_it_is(command: int, under_wa
         assert progress(sea) == (1, 3, ACTIVE) and math.dist(place(sea), here) < 1.0
     sea.run(60.0)
     assert progress(sea)[2] == COMPLETE and place(sea) == pytest.approx((0, 10), abs=0.1)
+
+
+def home_after(sea: Afloat, seconds: float) -> tuple[int, int]:
+    sea.run(seconds)
+    told = sea.ask(mavlink.MAVLINK_MSG_ID_HOME_POSITION)[0]
+    return told.latitude, told.longitude
+
+
+NEW = at(3, -3)
+NEW_HOME = bare(SET_HOME)._replace(x=NEW.x, y=NEW.y, frame=6)
+#: A plan with a new home, and whether the boat sets it.
+HOMES = {
+    "between two equal places": ([at(4, 0), NEW_HOME, at(4, 0), at(0, 0)], True),
+    "between two equal places at the end": ([at(0, 0), at(4, 0), NEW_HOME, at(4, 0)], True),
+    "at the end": ([at(4, 0), NEW_HOME], True),
+    "behind the way home": ([at(4, 0), bare(RETURN), NEW_HOME], False),
+    "behind a loiter": ([at(4, 0), at(0, 0)._replace(command=LOITER), NEW_HOME], False),
+}
+
+
+@pytest.mark.parametrize("name", HOMES)
+def test_home_moves_where_the_plan_comes_by(name: str) -> None:
+    plan, moves = HOMES[name]
+    sea = sailing(plan)
+    home = home_after(sea, 60.0)
+    assert progress(sea)[2] == COMPLETE
+    first = at(0, 0)
+    want = NEW if moves else first
+    assert home == pytest.approx((want.x, want.y), abs=10)
+
+
+def test_a_home_at_the_head_of_a_loop_is_set_in_each_round() -> None:
+    """In the first round at item 0, in the second at item 2, each time at the boat's place."""
+    sea = sailing(
+        [at(4, 0), bare(SET_HOME, 1.0), at(8, 0), at(8, 8), bare(JUMP, 1.0, 1.0), at(0, 8)]
+    )
+    homes: list[tuple[int, int]] = []
+    for _ in range(120):
+        home = home_after(sea, 1.0)
+        if not homes or math.dist(home, homes[-1]) > 100:
+            homes.append(home)
+    assert progress(sea)[2] == COMPLETE
+    sailed_to = [at(0, 0), at(4, 0), at(8, 8)]
+    assert len(homes) == 3
+    for home, item in zip(homes, sailed_to, strict=True):
+        assert home == pytest.approx((item.x, item.y), abs=150)
+
+
+def test_a_home_behind_a_jump_is_set_after_the_last_round_only() -> None:
+    sea = sailing([at(8, 0), at(0, 0), bare(JUMP, 0.0, 1.0), NEW_HOME, at(0, 8), bare(RETURN)])
+    told: list[int] = []
+    while told != [0, 1, 0]:
+        told += reached(sea.run(0.5))
+        assert len(told) < 4
+    home = home_after(sea, 2.0)
+    assert home == pytest.approx((at(0, 0).x, at(0, 0).y), abs=10)
+    assert home_after(sea, 120.0) == pytest.approx((NEW.x, NEW.y), abs=10)
+    assert progress(sea)[2] == COMPLETE and place(sea) == pytest.approx((3, -3), abs=0.1)
+
+
+def test_a_plan_that_goes_on_returns_to_the_home_that_the_boat_has() -> None:
+    """The boat is sent past the item that would move its home."""
+    sea = at_sea([at(8, 0), NEW_HOME, at(8, 8), bare(RETURN)])
+    assert acks(sea.order(SET_CURRENT, 2.0)) == [(SET_CURRENT, ACCEPTED)]
+    sea.mode(AUTO)
+    sea.run(90.0)
+    assert progress(sea)[2] == COMPLETE and place(sea) == pytest.approx((0, 0), abs=0.1)
 
 
 ROUNDS = [at(4, 0), at(0, 0), speed(0.3), bare(JUMP, 0.0, 2.0), at(0, 3)]

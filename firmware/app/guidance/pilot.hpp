@@ -109,6 +109,7 @@ class Pilot {
   core::ControllerOutput<S> drive(const core::Drive<S>& desired, bool paused, std::int64_t now_us,
                                   S dt);
   const PlanVessel<S>& plan_vessel() const { return plan_vessel_; }
+  PlanVessel<S>& plan_vessel() { return plan_vessel_; }
 
   /// Whether the boat under the law keeps its slot, and whether it is in its slot. Both start anew
   /// when the boat enters FORMATION, or when its slot or leader changes.

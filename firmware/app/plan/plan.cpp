@@ -348,6 +348,8 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
     }
     if (item.command == mav::kDoSetHome) {
       home_ = sets_home_here(item) ? std::optional(last_) : home_of(item);
+      if (!point) point = point_of(item, last_);
+      point->mark.home = static_cast<std::uint16_t>(at_);
     }
     at_ = progress_.pass(plan, at_);
   }

@@ -124,6 +124,7 @@ class PlanProgress {
 struct PlanMark {
   static constexpr std::uint16_t kNone = 0xFFFF;
   std::uint16_t item = kNone, jumps = 0;
+  std::uint16_t home = kNone;  ///< a DO_SET_HOME between this item's place and the next one
   bool is_item() const { return item != kNone; }
 };
 

@@ -78,7 +78,8 @@ bool PlanVessel<S>::add(const PlanPoint& point) {
   sound_ = sound_ && (count_ > 1 || (near && leg <= convert::scalar<S>(start_m_)));
   if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
     last.wait = core::min(last.wait, convert::scalar<S>(kLongestWait_s) - wait) + wait;
-    marks_[count_ - 1] = point.mark;
+    const std::uint16_t home = std::exchange(marks_[count_ - 1], point.mark).home;
+    if (marks_[count_ - 1].home == PlanMark::kNone) marks_[count_ - 1].home = home;
     return true;
   }
   points_[count_] = {way, convert::scalar<S>(point.speed_mps), convert::scalar<S>(point.radius_m),
@@ -199,11 +200,21 @@ void PlanVessel<S>::foresee(std::span<core::Motion<S>> motions, int every_s) con
 }
 
 template <class S>
-std::optional<std::size_t> PlanVessel<S>::reached() const {
+bool PlanVessel<S>::is_under_way() const {
   using enum core::RoutePhase;
-  const bool under_way = state_.phase == kLeg || state_.phase == kCorner;
-  const PlanMark& mark = marks_[under_way ? state_.next - 1 : state_.next];
+  return state_.phase == kLeg || state_.phase == kCorner;
+}
+
+template <class S>
+std::optional<std::size_t> PlanVessel<S>::reached() const {
+  const PlanMark& mark = marks_[reached_point()];
   return mark.is_item() ? std::optional<std::size_t>(mark.item) : std::nullopt;
+}
+
+template <class S>
+std::optional<std::size_t> PlanVessel<S>::take_home() {
+  const std::uint16_t home = std::exchange(marks_[reached_point()].home, PlanMark::kNone);
+  return home != PlanMark::kNone ? std::optional<std::size_t>(home) : std::nullopt;
 }
 
 template <class S>

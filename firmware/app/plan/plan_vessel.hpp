@@ -82,6 +82,9 @@ class PlanVessel {
   /// The item whose place was reached last, if any since the start.
   std::optional<std::size_t> reached() const;
 
+  /// The DO_SET_HOME that follows that place; returned once.
+  std::optional<std::size_t> take_home();
+
   /// Motion since the place where it started.
   const convert::Position& from() const { return from_; }
   const core::Motion<S>& motion() const { return state_.motion; }
@@ -94,6 +97,8 @@ class PlanVessel {
   void fill(Plan plan);
   bool add(const PlanPoint& point);
   void move_base();
+  bool is_under_way() const;
+  std::size_t reached_point() const { return is_under_way() ? state_.next - 1 : state_.next; }
   bool is_at_end() const { return state_.phase == core::RoutePhase::kArrived; }
   void advance(core::RouteState<S>& state, S share, S dt) const;
   void look_ahead(S share, S dt);
