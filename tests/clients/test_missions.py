@@ -110,6 +110,9 @@ def test_mavsdk_starts_a_plan_and_the_second_boat_follows_the_first(
     assert planner.progress[-1].total == 3
     assert planner.sdk.call(planner.mission.is_mission_finished)
     assert [fleet.state(boat) for boat in (1, 2)] == ["AUTO", "FORMATION"]
+    before = len(planner.progress)
+    planner.sdk.call(planner.mission.start_mission)  # begins the plan again
+    fleet.until(lambda: any(told.current < 3 for told in planner.progress[before:]))
 
 
 def test_mavsdks_pause_stops_the_boat_and_start_goes_on(fleet: FleetSea, planner: Planner) -> None:

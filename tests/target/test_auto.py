@@ -120,18 +120,43 @@ def test_a_tick_in_which_the_clock_stands_still_leaves_every_number_finite(mode:
     assert sea.state not in ("HOLD", "FAULT")
 
 
-@pytest.mark.parametrize("way", ["mode", "command", "standard mode", "PX4's"])
-def test_each_form_of_request_starts_auto(way: str) -> None:
+FORMS: dict[str, tuple[float, ...]] = {
+    "mode": (SET_MODE, 1.0, 10.0),
+    "command": (MISSION_START,),
+    "standard mode": (STANDARD_MODE, 6.0),
+    "PX4's": (SET_MODE, 129.0, 4.0, 4.0, *[math.nan] * 4),  # MAVSDK's start_mission()
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_each_form_of_request_starts_auto(form: str) -> None:
     sea = at_sea(CORNER)
-    order = {
-        "mode": (SET_MODE, 1.0, 10.0),
-        "command": (MISSION_START,),
-        "standard mode": (STANDARD_MODE, 6.0),
-        "PX4's": (SET_MODE, 129.0, 4.0, 4.0, *[math.nan] * 4),  # MAVSDK's start_mission()
-    }[way]
-    assert acks(sea.order(int(order[0]), *order[1:])) == [(order[0], ACCEPTED)]
+    command, *params = FORMS[form]
+    assert acks(sea.order(int(command), *params)) == [(command, ACCEPTED)]
     sea.step()
     assert sea.state == "AUTO"
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_request_for_auto_at_the_end_of_a_plan_begins_it_again(form: str) -> None:
+    sea = sailing([at(5, 0), at(0, 0)])
+    sea.run(60.0)
+    assert progress(sea)[2] == COMPLETE
+    command, *params = FORMS[form]
+    assert acks(sea.order(int(command), *params)) == [(command, ACCEPTED)]
+    sea.step()
+    assert progress(sea) == (0, 2, ACTIVE)
+    assert reached(sea.run(60.0)) == [0, 1] and progress(sea)[2] == COMPLETE
+
+
+def test_a_repeated_mission_start_that_comes_after_the_end_begins_nothing() -> None:
+    sea = sailing([at(5, 0), at(0, 0)])
+    sea.run(60.0)
+    again = mavlink.MAVLink_command_long_message(BOAT, 1, MISSION_START, 1, *[0.0] * 7)
+    sea.say(again)
+    assert acks(sea.step()) == [(MISSION_START, ACCEPTED)]
+    sea.run(5.0)
+    assert progress(sea) == (1, 2, COMPLETE)
 
 
 def test_mission_start_with_a_part_of_a_plan_is_denied() -> None:

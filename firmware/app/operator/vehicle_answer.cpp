@@ -254,6 +254,8 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
                                            links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
+  const bool stays = decision.granted && !decision.changed && !command.repeated;
+  if (asked.request == Request::kAuto && stays && missions_.is_complete()) asked.item = 0;
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not set if denied
   // A new order ends a pause; a repeated one may be a late copy of an order before the pause.
   if (sails_alone(asked.request) && !asked.target && decision.granted && !command.repeated) {
