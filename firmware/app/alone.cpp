@@ -93,8 +93,8 @@ void Alone<S>::sail_errand() {
 }
 
 /// Continues the search for a way round the forbidden zones; begins it again when the fence has
-/// changed and, in RTL, every 10 s. Checks the present leg once a second, because the boat may be
-/// pushed aside.
+/// changed and, in RTL or with a target, every 10 s. Checks the present leg once a second, because
+/// the boat may be pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
   constexpr std::uint8_t kAgain_s = 10;
@@ -109,17 +109,18 @@ void Alone<S>::keep_fence(const Now& now) {
   tell_way();
   if (found) sail_errand();
   if (!leg_due_.take_if_due(now.now_us)) return;
-  if (returns && errands_.is_lost() && lost_s_++ == kAgain_s) return look_again();
+  const bool goes = returns || asked_;
+  if (goes && errands_.is_lost() && lost_s_++ == kAgain_s) return look_again();
   if (fence.is_on() && !leg_keeps_fence()) sail_anew();
 }
 
-/// In RTL, while the boat waits: looks for a way back again.
+/// In RTL or with a target, while the boat waits: looks for a way again.
 template <class S>
 void Alone<S>::look_again() {
   const auto home = this->home();
-  if (!home) return;
+  if (!asked_ && !home) return;
   const convert::Position here = pilot_.place();
-  const Target goal{return_place(here, *home)};
+  const Target goal = asked_ ? *asked_ : Target{return_place(here, *home)};
   const Fence& fence = vehicle_.missions().fence();
   if (errands_.look_again(fence, here, goal, configuration().plan.margin_m)) {
     lost_s_ = 0;

@@ -11,6 +11,7 @@ from pymavlink.dialects.v20 import common as mavlink
 from scipy.sparse.csgraph import shortest_path
 
 from tests.target.hull import Afloat
+from tests.target.operator_words import param_set
 from tests.target.plans import (
     CIRCLE_OUT,
     DEGREES_E7_M,
@@ -297,6 +298,30 @@ def test_a_boat_that_waits_sets_out_again_when_the_fence_is_switched_off(repeate
     if repeated:
         go_to(sea, 0, 0)
     sea.run(50.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.3)
+
+
+@pytest.mark.parametrize("state", ["RTL", "GUIDED"])
+def test_a_boat_that_waits_finds_a_way_that_opens_though_the_fence_stays(state: str) -> None:
+    """The gap beside the wall, 6 m wide, is too narrow for the margin until that is smaller."""
+    sea = away((20, 0))
+    sea.say(param_set("WP_WIDTH", 4.0))
+    wall: Points = [(8, -30), (8, 22), (12, 22), (12, -30)]
+    ring: Points = [(-6, -28), (-6, 28), (30, 28), (30, -28)]
+    assert send(sea, FENCE, corners(KEEP_OUT, wall) + corners(KEEP_IN, ring)) == ITEM_ACCEPTED
+    sea.order(FENCE_ENABLE, 0.0)
+    if state == "RTL":
+        sea.mode(RTL)
+    else:
+        go_to(sea, 0, 0)
+    set_out(sea)
+    sea.order(FENCE_ENABLE, 1.0)
+    sea.run(25.0)
+    assert NO_WAY in words(sea) and place(sea)[0] > 12.5
+    sea.say(param_set("WP_WIDTH", 0.0))
+    sea.run(12.0)
+    assert sea.state == state and ROUND in words(sea) and words(sea).count(NO_WAY) == 1
+    sea.run(150.0)
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
 
 
