@@ -46,7 +46,8 @@ void Alone<S>::start_plan(std::int64_t now_us) {
                      .first = missions.current(),
                      .start_m = missions.start_m(missions.current()),
                      .home = home(),
-                     .progress = missions.progress()},
+                     .progress = missions.progress(),
+                     .pauses = missions.pauses()},
                     configuration().plan);
   pilot_.reports().forget_waits(now_us);
   warnings_.forget_waiting();
@@ -195,11 +196,21 @@ core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
   auto reached = sailed.reached();
   if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
   vehicle_.sailed(sailed.ahead(), reached, sailed.has_arrived(), counters_);
+  if (sailed.take_pause()) pause_plan();
   if (const auto set = sailed.take_home()) {
     const auto place = home_of(vehicle_.missions().plan()[*set]);
     limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
   }
   return out;
+}
+
+template <class S>
+void Alone<S>::pause_plan() {
+  vehicle_.orders().pause(true);
+  Sentence told;
+  told << "Plan paused after item "
+       << static_cast<float>(pilot_.plan_vessel().reached().value_or(0)) << ": autocontinue is 0";
+  vehicle_.texts().send(link::mav::kSeverityInfo, {told.text()}, counters_);
 }
 
 /// Sails the plan's items by the law, except a voyage that measures the hull.

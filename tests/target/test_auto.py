@@ -264,6 +264,32 @@ def test_pause_stops_the_boat_and_continue_sails_on() -> None:
     assert place(sea) == pytest.approx((10, 10), abs=0.05)
 
 
+@pytest.mark.parametrize("order", [(PAUSE, 1.0), (MISSION_START, 0.0), (HOLD, 0.0)])
+def test_a_plan_pauses_after_an_item_without_autocontinue(order: tuple[int, float]) -> None:
+    """The first time after a corner, the second time after a wait."""
+    stops = [item._replace(autocontinue=0) for item in (at(6, 0), at(6, 6, hold_s=8.0))]
+    sea = sailing([*stops, at(0, 6)])
+    for item, (north, east) in enumerate([(6, 0), (6, 6)]):
+        sea.run(40.0)
+        assert place(sea) == pytest.approx((north, east), abs=0.1)
+        assert progress(sea) == (item + 1, 3, PAUSED) and sea.state == "AUTO"
+        assert texts(sea.ticks)[-1] == f"Plan paused after item {item}: autocontinue is 0"
+        if order[0] == HOLD:
+            sea.mode(HOLD)
+            sea.mode(AUTO)
+        else:
+            assert acks(sea.order(*order)) == [(order[0], ACCEPTED)]
+    ticks = sea.run(40.0)
+    assert progress(sea)[2] == COMPLETE and reached(ticks) == [2]
+
+
+def test_ardupilots_identity_ignores_autocontinue() -> None:
+    plan = [item._replace(autocontinue=0) for item in CORNER]
+    sea = sailing(plan, {"MAV_AUTOPILOT": 1.0})
+    sea.run(60.0)
+    assert progress(sea) == (1, 2, COMPLETE) and place(sea) == pytest.approx((10, 10), abs=0.05)
+
+
 def test_a_pause_stops_a_wait_and_the_turn_after_it() -> None:
     sea = sailing([at(5, 0, hold_s=20.0), at(5, -10)])
     sea.run(25.0)

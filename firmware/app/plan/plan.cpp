@@ -235,16 +235,14 @@ PlanFault fault_of(Plan plan) {
   return {};
 }
 
-void PlanReader::begin(std::size_t first, const PlanDefaults& defaults,
-                       const convert::GlobalPoint& here,
-                       const std::optional<convert::GlobalPoint>& home,
-                       const PlanProgress& progress) {
+void PlanReader::begin(const PlanStart& start, const PlanDefaults& defaults) {
   *this = {};
   defaults_ = defaults;
-  progress_ = progress;
-  home_ = home;
-  last_ = here;
-  at_ = first_ = first;
+  progress_ = start.progress;
+  home_ = start.home;
+  last_ = start.here;
+  at_ = first_ = start.first;
+  pauses_ = start.pauses;
 }
 
 float PlanReader::speed_mps() const {
@@ -322,6 +320,16 @@ PlanPoint PlanReader::on_circle(const PlanItem& item) {
   return {mark(), corner_of(item, defaults_, octant_), speed_mps(), kLargestRadius_m};
 }
 
+/// Goes on to the following item. The boat stops at the point if the plan pauses.
+void PlanReader::pass(Plan plan, std::optional<PlanPoint>& point) {
+  constexpr float kMoment_s = 0.01F;
+  if (pauses_ && point && plan[at_].autocontinue == 0) {
+    point->mark.pauses = true;
+    point->wait_s = std::max(point->wait_s, kMoment_s);
+  }
+  at_ = progress_.pass(plan, at_);
+}
+
 std::optional<PlanPoint> PlanReader::next(Plan plan) {
   std::optional<PlanPoint> point;
   while (at_ < plan.size()) {
@@ -333,7 +341,7 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
       last_ = point->place;
       if (!(static_cast<float>(octants_) > 8 * or_zero(item.param[0]))) return point;
       octants_ = 0;
-      ++at_;
+      pass(plan, point);
       continue;
     }
     if (leads_somewhere(item)) point = point_of(item, {item.x, item.y});
@@ -351,7 +359,7 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
       if (!point) point = point_of(item, last_);
       point->mark.home = static_cast<std::uint16_t>(at_);
     }
-    at_ = progress_.pass(plan, at_);
+    pass(plan, point);
   }
   return point;
 }

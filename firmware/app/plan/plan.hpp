@@ -125,6 +125,7 @@ struct PlanMark {
   static constexpr std::uint16_t kNone = 0xFFFF;
   std::uint16_t item = kNone, jumps = 0;
   std::uint16_t home = kNone;  ///< a DO_SET_HOME between this item's place and the next one
+  bool pauses = false;         ///< the plan pauses before it leads to the next place
   bool is_item() const { return item != kNone; }
 };
 
@@ -137,14 +138,19 @@ struct PlanPoint {
   float wait_s = 0;     ///< 0: does not stop
 };
 
+/// Where and how the reading of a plan begins.
+struct PlanStart {
+  std::size_t first = 0;        ///< item
+  convert::GlobalPoint here{};  ///< the boat's place; it waits here if that item is a wait
+  std::optional<convert::GlobalPoint> home{};  ///< unknown: NAV_RETURN_TO_LAUNCH ends the plan
+  PlanProgress progress{};
+  bool pauses = false;  ///< after an item whose autocontinue is 0
+};
+
 /// Reads the points of a sound plan in order.
 class PlanReader {
  public:
-  /// Begins with item `first`. here: the boat's place, where it waits if that item is a wait. home:
-  /// where NAV_RETURN_TO_LAUNCH leads; unknown: the plan ends there.
-  void begin(std::size_t first, const PlanDefaults& defaults, const convert::GlobalPoint& here,
-             const std::optional<convert::GlobalPoint>& home = {},
-             const PlanProgress& progress = {});
+  void begin(const PlanStart& start, const PlanDefaults& defaults);
 
   /// The next point; nothing after the last. A voyage that measures the hull ends the reading,
   /// unless the reading begins with it: how the plan continues is decided after the voyage.
@@ -155,6 +161,7 @@ class PlanReader {
   float speed_mps() const;
   PlanPoint point_of(const PlanItem& item, const convert::GlobalPoint& place);
   PlanPoint on_circle(const PlanItem& item);
+  void pass(Plan plan, std::optional<PlanPoint>& point);
 
   PlanDefaults defaults_;
   std::size_t at_ = 0, first_ = 0;  // items
@@ -162,6 +169,7 @@ class PlanReader {
   std::optional<convert::GlobalPoint> home_;
   convert::GlobalPoint last_{};
   std::uint16_t octants_ = 0, octant_ = 0;  // of a circle: covered; the present one, from the north
+  bool pauses_ = false;
 };
 
 }  // namespace flotilla::app

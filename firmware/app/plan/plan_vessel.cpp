@@ -33,7 +33,9 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   unread_ = false;
   sound_ = true;
   seen_ = 0;
-  reader_.begin(voyage.first, defaults, convert::global_of(own), voyage.home, voyage.progress);
+  reader_.begin(
+      {voyage.first, convert::global_of(own), voyage.home, voyage.progress, voyage.pauses},
+      defaults);
   fill(voyage.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);
@@ -78,8 +80,10 @@ bool PlanVessel<S>::add(const PlanPoint& point) {
   sound_ = sound_ && (count_ > 1 || (near && leg <= convert::scalar<S>(start_m_)));
   if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
     last.wait = core::min(last.wait, convert::scalar<S>(kLongestWait_s) - wait) + wait;
-    const std::uint16_t home = std::exchange(marks_[count_ - 1], point.mark).home;
-    if (marks_[count_ - 1].home == PlanMark::kNone) marks_[count_ - 1].home = home;
+    PlanMark& mark = marks_[count_ - 1];
+    const PlanMark before = std::exchange(mark, point.mark);
+    if (mark.home == PlanMark::kNone) mark.home = before.home;
+    mark.pauses = mark.pauses || before.pauses;
     return true;
   }
   points_[count_] = {way, convert::scalar<S>(point.speed_mps), convert::scalar<S>(point.radius_m),
@@ -215,6 +219,11 @@ template <class S>
 std::optional<std::size_t> PlanVessel<S>::take_home() {
   const std::uint16_t home = std::exchange(marks_[reached_point()].home, PlanMark::kNone);
   return home != PlanMark::kNone ? std::optional<std::size_t>(home) : std::nullopt;
+}
+
+template <class S>
+bool PlanVessel<S>::take_pause() {
+  return is_under_way() && std::exchange(marks_[reached_point()].pauses, false);
 }
 
 template <class S>

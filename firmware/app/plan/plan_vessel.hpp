@@ -22,6 +22,7 @@ struct Voyage {
   float start_m = kPlanStart_m;  ///< the farthest that this place may be from the boat
   std::optional<convert::GlobalPoint> home{};
   PlanProgress progress{};
+  bool pauses = false;  ///< after an item whose autocontinue is 0
 };
 
 /// The boat that follows the vessel, off_m away; from far_m on the vessel waits for it.
@@ -84,6 +85,8 @@ class PlanVessel {
 
   /// The DO_SET_HOME that follows that place; returned once.
   std::optional<std::size_t> take_home();
+  /// Whether the vessel has left a place after which the plan pauses; true once.
+  bool take_pause();
 
   /// Motion since the place where it started.
   const convert::Position& from() const { return from_; }

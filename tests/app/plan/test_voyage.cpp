@@ -373,11 +373,11 @@ TEST_CASE("a plan's voyage needs a valid position, share of thrust and room") {
 TEST_CASE("the plan is read up to a voyage, and beyond it if reading begins there") {
   const std::array plan{waypoint(410'000'000), voyage_item(), waypoint(410'001'000)};
   PlanReader reader;
-  reader.begin(0, {.speed_mps = 0.5F, .radius_m = 2}, {});
+  reader.begin({0}, {.speed_mps = 0.5F, .radius_m = 2});
   CHECK(reader.next(plan)->mark.item == 0);
   CHECK(reader.next(plan)->mark.item == 1);
   CHECK_FALSE(reader.next(plan));
-  reader.begin(1, {.speed_mps = 0.5F, .radius_m = 2}, {});
+  reader.begin({1}, {.speed_mps = 0.5F, .radius_m = 2});
   const auto centre = reader.next(plan);
   REQUIRE(centre);
   CHECK(centre->mark.item == 1);

@@ -93,6 +93,9 @@ class MissionService {
   bool take_jump();
   /// Passes the items up to the one ahead. complete: the plan is at its end.
   void sailed(const PlanMark& ahead, bool complete);
+  /// Whether the plan pauses after an item whose autocontinue is 0. ArduPilot's do not, and its
+  /// clients send 0 without any such intention.
+  bool pauses() const { return !homes_; }
   /// Of the plan, up to the current item.
   const PlanProgress& progress() const { return progress_; }
 

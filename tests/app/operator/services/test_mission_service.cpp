@@ -122,7 +122,7 @@ TEST_CASE("a boat that is sent to a delay is judged by the way to the place afte
 /// All points of a plan of MissionService, from its current item on.
 std::vector<PlanPoint> points_of(const MissionService& service, const PlanDefaults& defaults) {
   PlanReader reader;
-  reader.begin(service.current(), defaults, point(-50, 0), {}, service.progress());
+  reader.begin({service.current(), point(-50, 0), {}, service.progress()}, defaults);
   std::vector<PlanPoint> points;
   while (const auto point = reader.next(service.plan())) points.push_back(*point);
   return points;
