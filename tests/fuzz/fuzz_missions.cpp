@@ -95,9 +95,11 @@ class Senders {
         return download();
       case 6:
         return time_passes();
-      case 7:
-        boat_.service.set_current(in_.byte() % 20U, in_.byte() % 2U == 0);
+      case 7: {
+        const std::uint8_t byte = in_.byte();
+        boat_.service.set_current(byte % 20U, byte >= 128);
         return;
+      }
       case 8:
         boat_.service.enable_fence((in_.byte() & 1U) != 0);
         return;
@@ -125,11 +127,12 @@ class Senders {
     const bool home = homes_ && !plan.empty() && plan[0].command == mav::kNavWaypoint &&
                       plan[0].frame == mav::kFrameGlobal;
     app::PlanReader reader;
-    reader.begin(plan, std::max<std::size_t>(boat_.service.current(), home ? 1 : 0), defaults);
+    const auto first = std::max<std::size_t>(boat_.service.current(), home ? 1 : 0);
+    reader.begin({first, {kLatitude, kLongitude}, {}, boat_.service.progress()}, defaults);
     for (int i = 0; i < 200; ++i) {
       const auto point = reader.next(plan);
       if (!point) break;
-      require(point->item < plan.size(), "a place belongs to an item");
+      require(point->mark.item < plan.size(), "a place belongs to an item");
       require(point->speed_mps > 0 && point->speed_mps <= 5, "a place has a speed");
     }
   }
