@@ -33,6 +33,7 @@ class Liveness {
       place_.stay(v_n, h);
     } else {
       near_ = {};
+      left_ = left_ || S(0) < h;
       near_north_m_ = sample.north_m, near_east_m_ = sample.east_m;
     }
     if (!stays) place_ = {};
@@ -104,7 +105,7 @@ class Liveness {
 
   /// The velocity reported since the position came near here leads far away.
   bool strays() const {
-    return near_.lasts(moved_ ? kNear_s : kHeld_s) && core::is_longer(near_.way, kFar_m);
+    return near_.lasts(left_ ? kNear_s : kHeld_s) && core::is_longer(near_.way, kFar_m);
   }
 
   void judge(bool well) {
@@ -124,7 +125,9 @@ class Liveness {
   Stuck whole_;
   S pushed_{};
   int well_ = 0;
-  bool moved_ = false, live_ = true;
+  bool moved_ = false;  ///< to another position
+  bool left_ = false;   ///< by more than noise
+  bool live_ = true;
 };
 
 }  // namespace flotilla::app

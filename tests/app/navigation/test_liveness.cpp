@@ -198,6 +198,11 @@ TEST_CASE("a place that is frozen but for noise is found within ten seconds of s
   }
 }
 
+TEST_CASE("a noisy boat that is held from the beginning gets five seconds") {
+  Noisy boat{.speed_mps = 0.58, .period_s = 0.05, .place_m = 0.01, .frozen = true};
+  CHECK(boat.sail(20) == doctest::Approx(5).epsilon(0.05));
+}
+
 TEST_CASE("after it was frozen, a place counts as live only once it has changed") {
   Noisy boat{.speed_mps = 0.5, .place_m = 0.001};
   boat.sail(10);
