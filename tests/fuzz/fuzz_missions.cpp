@@ -96,8 +96,8 @@ class Senders {
       case 6:
         return time_passes();
       case 7: {
-        const std::uint8_t byte = in_.byte();
-        boat_.service.set_current(byte % 20U, byte >= 128);
+        const std::uint8_t number = in_.byte();
+        boat_.service.set_current(number % 20U, number >= 128);
         return;
       }
       case 8:
