@@ -281,14 +281,13 @@ def test_a_disarm_and_a_strangers_termination_behind_24_pings_both_stop_the_boat
 
 STOPS = {
     "disarm": (command_long(ARM, 0.0), "DISARMED"),
-    "HOLD": (command_long(SET_MODE, 1.0, float(HOLD)), "HOLD"),
     "terminate": (command_long(TERMINATE, 1.0), "FAULT"),
 }
 
 
 @TOGETHER
 @pytest.mark.parametrize("stop", STOPS)
-def test_a_stop_wins_over_the_orders_behind_it_in_the_same_tick(stop: str, chunks: int) -> None:
+def test_disarming_wins_over_the_orders_behind_it_in_the_same_tick(stop: str, chunks: int) -> None:
     sea = Sea(leader=TURN)
     sea.enter_formation()
     sea.run(2.0)
@@ -307,6 +306,15 @@ def test_a_stop_wins_over_the_orders_behind_it_in_the_same_tick(stop: str, chunk
     assert acks(sea.arm()) == [(ARM, ACCEPTED)], "the operator has seen the boat stop"
     assert acks(sea.mode(FORMATION)) == [(SET_MODE, ACCEPTED)]
     assert any(any(tick.commands) for tick in sea.run(1.0))
+
+
+def test_formation_behind_hold_in_the_same_tick_begins_formation_anew() -> None:
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    modes = [command_long(SET_MODE, 1.0, float(mode)) for mode in (HOLD, FORMATION)]
+    sea.say(*modes)
+    assert acks(sea.step()) == [(SET_MODE, ACCEPTED)] * 2
+    assert sea.state == "FORMATION"
 
 
 def test_an_order_behind_a_stop_that_had_to_wait_for_room_is_refused_too() -> None:

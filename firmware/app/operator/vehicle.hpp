@@ -212,6 +212,7 @@ class Vehicle {
     std::int64_t us = std::numeric_limits<std::int64_t>::min() / 2;
     link::Address by{};
     std::uint8_t links = 0;  ///< on which it came, a bit mask
+    bool disarms = false;    ///< not only HOLD
   };
   Stop stop_;                           // the last request that stops the boat
   std::optional<std::size_t> reached_;  // last item reached
