@@ -72,12 +72,7 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
   if (leads && !stamp->overtaken) place_.hear(m, covered ? now_us : valid_us, now_us);
   const auto branch = place_.branch(now_us);
   if (own == nullptr || branch != Branch{m.root, m.maker}) return;
-  // A reference of unknown age, from a relay, does not hide the same one of known age.
-  const bool timed = stamp->timed && (m.flags & link::mav::kReferenceUntimed) == 0;
-  const bool goes_on = held_ && held_->branch == *branch && held_->timed != timed;
-  if (goes_on && !timed && !leads && valid_us - held_->valid_us < kRestart_us) return;
-  const bool dates = goes_on && timed && m.sequence == held_->sequence;
-  if (!dates && !is_newer(m, *branch, valid_us)) return;
+  if (!is_newer(m, *branch, valid_us)) return;
   if (held_ && held_->branch.root != branch->root) guard_.forget();
   const auto root = convert::root_state_of<S>(m, own->origin.altitude);
   if (!root) {
@@ -86,6 +81,7 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
              !believe(*root, valid_us, now_us)) {
     ++counters.reference_refused;
   } else {
+    const bool timed = stamp->timed && (m.flags & link::mav::kReferenceUntimed) == 0;
     hold(*branch, m.sequence, m, *root, valid_us, is_near(*own, *root, now_us), timed);
   }
 }

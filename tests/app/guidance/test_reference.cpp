@@ -535,25 +535,6 @@ TEST_CASE("a reference of unknown age is relayed as such, and is not followed") 
   CHECK_FALSE(f.boat.aim(2'300'000));
 }
 
-TEST_CASE("a relay whose latency is unknown does not hide the leader's reference") {
-  Follower f;
-  Parameters unknown = parameters(2, 1);
-  unknown.FORM_LAG_S = -1;
-  configure(f.boat.reference, unknown, 2);
-  for (std::int64_t us = kSecond_us; us < 4 * kSecond_us; us += 100'000) {
-    const auto told = Follower::reference(us, ++f.sequence);
-    f.boat.hear({7, 1}, told, us);  // it is heard first
-    f.boat.hear({1, 1}, told, us);
-    const bool answered = us >= 2 * kSecond_us;
-    if (answered) f.boat.reference.answered({1, 1}, us - 1000, us - 500, us);
-    CHECK(f.boat.aim(us).has_value() == us > 2 * kSecond_us);
-  }
-  for (std::int64_t us = 4 * kSecond_us; us < 6 * kSecond_us; us += 100'000) {
-    f.boat.hear({7, 1}, Follower::reference(us, ++f.sequence), us);
-  }
-  CHECK((f.boat.tell(6 * kSecond_us)->flags & link::mav::kReferenceUntimed) != 0);
-}
-
 TEST_CASE("the age of a reference includes its clock's greatest error") {
   Follower f;
   for (std::int64_t us = kSecond_us; us < 6 * kSecond_us; us += 100'000) {
