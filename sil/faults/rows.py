@@ -44,8 +44,8 @@ class Row(Section):
     after the beginning the operator arms the boat, even from FAULT, and drives it by sticks that
     are centred 2 s later; only then may it give thrust. `told`: words of a STATUSTEXT that it must
     send after the beginning. `fence_m`: its FS_FENCE_M; the fault is then that the boat leaves its
-    fence. `keeps_m` [ahead, least]: the boat must keep that least distance from the place that far
-    ahead of it when the last fault began.
+    fence. `keeps_m` [ahead, least]: the boat must stay at least `least` away from the place that
+    was `ahead` metres ahead of it when the last fault began.
     """
 
     name: Annotated[str, Field(pattern="^[a-z0-9_]+$")]

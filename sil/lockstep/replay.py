@@ -64,7 +64,7 @@ class _Twin:
             self._boat.on_mavlink(data, self._clock.at(t_us), channel)
 
     def tick(self) -> Any:
-        """The output of a tick at the recorded boat's last tick."""
+        """Tick the twin at the recorded boat's last tick; its output."""
         return self._boat.tick(self._clock.at(self.ticked_us))
 
     def differs(self) -> bool:
@@ -107,7 +107,7 @@ def ticks(
     header: Mapping[str, Any],
     settings: Callable[[Any], None] = lambda _: None,
 ) -> Iterator[tuple[int, Any]]:
-    """Feed boat `number`'s recorded input to a boat of another header; its time and its output.
+    """Feed boat `number`'s recorded input to a boat with another header; yield time and output.
 
     The world's time is in us. `settings` is applied to the boat whenever it starts: it sets what a
     header does not have, such as a link's limit.

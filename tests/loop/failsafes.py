@@ -6,8 +6,8 @@
 Boat 1 leads by its plan, two follow. Each run draws a hull, rates, a loss and its instant. Judged:
 the policies; no thrust in HOLD, FAULT and DISARMED; the mode that the parameters name; no boat that
 gives thrust goes on beyond the fence; a boat in RTL comes home and one in LOITER stays; nobody that
-the loss does not concern leaves its mode. Some runs lose nothing, but an operator pauses boat 1,
-which must stay.
+the loss does not concern leaves its mode. In some runs nothing is lost, but an operator pauses
+boat 1, which must stay.
 """
 
 import argparse
@@ -127,7 +127,7 @@ def faults(loss: str, boat: int, at_s: float, moment_s: float) -> str:
 class Watch:
     """States by tick of each run, and the greatest command given in a state without thrust.
 
-    Also the operator who pauses boats.
+    It also acts as the operator who pauses boat 1.
     """
 
     def __init__(self, drawn: Sequence[Drawn]) -> None:

@@ -5,10 +5,11 @@
 
 The scenario `lead` with eight boats in a vee, on a radio that loses 30 % and is up to 0.3 s late.
 All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 is killed, or
-boat 2, on which boats 4, 6 and 8 hang, or both; or boat 1 restarts, disarmed, within a second; or
+boat 2, on which boats 4, 6 and 8 depend, or both; or boat 1 restarts, disarmed, within a second; or
 the radio is split between boats 1 to 4 and 5 to 8 for 60 s. This happens at instants spread over
-the plan. Truth, and the boats' own words, are judged. On request: `paused`: an operator pauses boat
-1 5 s before it is killed; `left_out`: a new table leaves out boat 8; `none`: nothing fails.
+the plan. The true states and the boats' own reports are judged. On request: `paused`: an operator
+pauses boat 1, which is killed 5 s later; `left_out`: a new table leaves out boat 8; `none`:
+nothing fails.
 """
 
 import argparse
@@ -37,7 +38,7 @@ from sil.wire.plan_upload import PlanUpload
 #: The boats that a failure kills.
 KILLS = {"leader": (1,), "inner": (2,), "two": (1, 2), "restart": (1,)}
 KINDS = (*KILLS, "split")
-#: The boats without which the fleet goes on.
+#: The boats that the fleet loses through a failure, or through a new table.
 GONE = KILLS | {"paused": (1,), "left_out": (8,)}
 NOTHING = "none"
 #: A boat within this distance for that long is in its slot.

@@ -6,7 +6,7 @@
 namespace flotilla::app::convert {
 namespace {
 
-// The same states without anything but the place, in case that is all they tell.
+// The same messages reduced to the place, which may be all that they tell.
 link::Odometry place_alone(link::Odometry m) {
   m.q = {1, 0, 0, 0};
   m.z = m.vx = m.vy = m.vz = m.rollspeed = m.pitchspeed = m.yawspeed = 0;

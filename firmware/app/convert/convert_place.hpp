@@ -10,7 +10,7 @@
 namespace flotilla::app::convert {
 
 /// Position and velocity, in the sender's local frame or global; the heading does not matter. A
-/// vessel that does not tell how it moves counts as at rest.
+/// vessel that does not report its motion counts as at rest.
 template <class S>
 std::optional<Sample<S>> place_of(const link::Message& message);
 

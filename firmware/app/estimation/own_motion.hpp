@@ -28,8 +28,8 @@ class OwnMotion {
                  std::uint8_t own_system);
 
   /// Takes any message. Own states are accepted only on NAV_LINK or, if that names none, on the
-  /// first link with a good state while disarmed, so that nobody can forge them on a radio; on
-  /// another link only while disarmed, after half a minute of silence.
+  /// first link with a good state while disarmed, so that nobody can forge them on a radio.
+  /// After half a minute of silence, a disarmed boat accepts them on another link instead.
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
             link::Counters& counters);
 

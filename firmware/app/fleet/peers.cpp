@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kAhead_ms = 10'000;
 // Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
-constexpr int kNumbersBack = 20;  // more beacons than a boat sends in kOvertaken_ds
+constexpr int kNumbersBack = 20;  // about as many beacons as a boat sends in kOvertaken_ds at most
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
@@ -112,7 +112,7 @@ bool FleetPeers::update(std::size_t count, std::int64_t limit_us, std::int64_t n
     peer.leads = peer.leads && !faulty;
     const auto since_ds = static_cast<std::uint16_t>(deciseconds(now_us) - heard.beacon_ds);
     peer.recent = heard.component != 0 && since_ds < kOvertaken_ds;
-    // Meanwhile another boat may lead, or this one have been sent elsewhere.
+    // Meanwhile another boat may lead, or this one may have been sent elsewhere.
     if (!peer.heard && !peer.recent) peer.leads = false;
     if (peer.hears >= count) continue;
     const std::int64_t lost_us = now_us - heard_[peer.hears].at_us - limit_us;

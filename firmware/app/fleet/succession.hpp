@@ -49,8 +49,9 @@ enum class FleetOrder : std::uint8_t {
 /// is none, the first fit member that can lead takes over, but only once the fleet is under way:
 /// after a member has led it. If a boat has stopped since, or was ordered to follow instead of
 /// leading, the fleet counts as under way for it only when a member leads again. The table's root
-/// also leads in LOITER and RTL if it was in that mode before the fleet was under way, once it hears
-/// another member: if that member's fleet has a leader, the root leaves the fleet to it.
+/// also leads in LOITER and RTL if it was in that mode before the fleet was under way, but only
+/// once it hears another member: if that member's fleet has a leader, the root leaves the fleet to
+/// that leader.
 ///
 /// A mode that an operator or a failsafe sets stays, but a leader's AUTO or GUIDED ends if a
 /// better leader appears, and every mode without a leader ends if the table no longer lets the

@@ -14,8 +14,8 @@ namespace mav = link::mav;
 
 // A boat silent for this long has left, or has failed: do not wait for it.
 constexpr std::int64_t kMemberSilent_us = 3'000'000;
-// After a longer absence a boat must come back to its slot before it is waited for: a leader at rest
-// disturbs the boats that are in theirs.
+// After a longer absence a boat must come back to its slot before the leader waits for it: a leader
+// at rest disturbs the boats that are in their slots.
 constexpr std::int64_t kAbsent_us = 20'000'000;
 constexpr std::uint8_t kReturns = 3;
 

@@ -21,12 +21,13 @@ class FleetReports {
 
   void hear(const link::Received& received, std::int64_t now_us);
 
-  /// Call on beginning a plan, and in every tick in which the plan waits for nobody: afterwards no
+  /// Call when a plan begins, and in every tick in which the plan waits for nobody: afterwards no
   /// wait is used up.
   void forget_waits(std::int64_t now_us);
 
-  /// Call in every other tick of a plan: system id of a follower that was in its slot, reports that it is
-  /// out of it, and has not used up its wait; nothing once the whole wait is used up.
+  /// Call in every other tick of a plan. Returns the system id of a follower that was in its slot,
+  /// reports that it is out of it, and has not used up its wait; nothing once the whole wait is
+  /// used up.
   std::optional<std::uint8_t> late(std::int64_t now_us);
 
   /// The leader reports that it is armed and in RTL, three times in a row: one report may be late.

@@ -9,9 +9,9 @@
 // When the upper bound falls, either a message had less latency than all before it, or their clock
 // was set ahead or runs fast. So the lower bound falls by the same amount until an answer confirms
 // it. An answer counts for at most the next 32 answers, because their clock may have been set back
-// and ahead again. After a minute without answers the distance of the bounds no longer grows: the
-// greatest possible latency of the promptest message remains known, and the stamps are judged like
-// those of a sender that never answers.
+// and ahead again. After a minute without answers the distance between the bounds stops growing:
+// the greatest possible latency of the promptest message remains known, and the stamps are judged
+// like those of a sender that never answers.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ class ClockOffset {
   /// TIMESYNC bounds the offset from below.
   bool was_answered() const { return nearness_ != 0; }
 
-  /// It has done so within the last minute.
+  /// TIMESYNC has bounded it within the last minute.
   bool is_answered() const { return was_answered() && drifted_us_ < kMinute_us; }
 
   /// The last answer contradicts the stamps, or took too long to be useful.

@@ -12,10 +12,11 @@ namespace flotilla::app {
 
 /// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
 /// heading likewise despite a yaw rate, or the whole state while the propellers push. A position
-/// with noise is frozen if it stays within 0.15 m for 2 s, while the velocity leads 1 m away; then
-/// only another position shows that it is live again. A vessel at rest that reports no velocity is
-/// not frozen. A vessel that has never moved may be held in place, so it gets 5 s; while the
-/// propellers push, 8 s of thrust, for simulated boats are held while they start.
+/// with noise is frozen if it stays within 0.15 m for 2 s although the reported velocity would have
+/// moved it by 1 m; then only another position shows that it is live again. A vessel at rest that
+/// reports no velocity is not frozen. A vessel that has never moved may be held in place, so it
+/// gets 5 s; while the propellers push, it gets 8 s of thrust, because simulated boats are held
+/// while they start.
 template <class S>
 class Liveness {
  public:
@@ -57,6 +58,9 @@ class Liveness {
     judge(!sails && !(heads && core::abs(nu.r) > kSlow) && pushed_ <= kSlow);
   }
 
+  /// Another sender, or a restarted one: its position may rest where the last one was.
+  void forget_place() { near_ = {}; }
+
   /// Change of velocity by the propellers alone since the last call, m/s and rad/s.
   void push(S change) { pushed_ = core::min(pushed_ + change, S(2) * kPushed); }
 
@@ -76,7 +80,7 @@ class Liveness {
 
   static S left_after(S h) { return S(1) - core::min(kForgetting_per_s * h, S(1)); }
 
-  /// A repeated quantity.
+  /// How long a quantity has been repeated.
   struct Stuck {
     S time{};
     int repeats = 0;
@@ -88,7 +92,7 @@ class Liveness {
     bool lasts(S s) const { return time >= s && repeats == kFew; }
   };
 
-  /// The same, and how far its reported rate would have moved it since.
+  /// The same, and how far the quantity's reported rate would have moved it since.
   struct Led : Stuck {
     core::Vec2<S> way{};
 
@@ -103,7 +107,7 @@ class Liveness {
 
   static bool is_near(Metres a, Metres b) { return a - b < kNear_m && b - a < kNear_m; }
 
-  /// The velocity reported since the position came near here leads far away.
+  /// The velocity reported since the position came near here would have moved it far away.
   bool strays() const {
     return near_.lasts(left_ ? kNear_s : kHeld_s) && core::is_longer(near_.way, kFar_m);
   }

@@ -105,9 +105,9 @@ void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& messa
                                 std::int64_t now_us) {
   if (!is_vehicle(message)) return;
   constexpr unsigned kBySelf = link::mav::kModeFlagAuto | link::mav::kModeFlagGuided;
-  Vessel* vessel = find(from.system);
   std::uint8_t& autopilot = autopilot_[from.system];
-  const bool told = vessel != nullptr && counts(*vessel, now_us);
+  const bool told = std::ranges::any_of(
+      vessels_, [&](const Vessel& v) { return v.id == from.system && counts(v, now_us); });
   if (autopilot == from.component) {
     idle_[from.system] = !told;
   } else {
@@ -119,7 +119,9 @@ void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& messa
     autopilot = from.component;
     idle_[from.system] = false;
   }
-  if (vessel != nullptr) vessel->steered = (message.base_mode & kBySelf) != 0;
+  for (Vessel& v : vessels_) {
+    if (v.id == from.system) v.steered = (message.base_mode & kBySelf) != 0;
+  }
 }
 
 /// Other firmware sends the depth of the water under that name.
@@ -132,7 +134,9 @@ void Neighbours::take_depth(link::Address from, const link::NamedValueFloat& mes
   const auto depth = static_cast<std::uint8_t>(told);
   if (static_cast<float>(depth) != told) return;
   if (system == leader_system_) leader_depth_ = depth;
-  if (Vessel* vessel = find(system)) vessel->depth = depth;
+  for (Vessel& v : vessels_) {
+    if (v.id == system) v.depth = depth;
+  }
 }
 
 /// When all frames are in use, replaces those of vessels without an entry, in turn.
@@ -269,9 +273,9 @@ Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
   return found == vessels_.end() ? nullptr : found;
 }
 
-/// The entry of the vessel at this place, or one that is forgotten. If two vessels use one system
-/// id, each has its own entry: a place that the last state cannot lead to, nor come from if this one
-/// is late, is another vessel's. The microcontroller's image has no room for this rule.
+/// The vessel's entry, or one with its id that counts as forgotten. If two vessels use one system
+/// id, each has its own entry: a place too far from where a vessel's last state leads, forwards or
+/// back in time, is another vessel's. The microcontroller's image has no room for this rule.
 Neighbours::Vessel* Neighbours::find_at(std::uint32_t id, const convert::Position& place,
                                         std::int64_t stamp_us, std::int64_t now_us) {
   if (FLOTILLA_LOOKS_AHEAD == 0 || id > kLastSystem) return find(id);

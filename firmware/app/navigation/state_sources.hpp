@@ -18,7 +18,7 @@ enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGl
 /// origin ranks last. The source in use is replaced after `patience_us` of silence, or by a better
 /// one received five times in a row; a prompt source is better than a late one. Each source has its
 /// own clock, because the stamps of two sources need not count from the same instant; but if they
-/// differ by 0.3 s to 15 s, the source that seems late is taken to be so.
+/// differ by 0.3 s to 15 s, the source that seems late counts as late.
 class StateSources {
  public:
   explicit StateSources(std::int64_t patience_us) : patience_us_(patience_us) {}

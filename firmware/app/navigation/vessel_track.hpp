@@ -198,6 +198,7 @@ class VesselTrack {
   // Events that end a track or part of it. Besides them, follow() discards everything, and
   // jump_across() a last state whose plane is unknown.
   void component_changed(std::uint8_t component, const Heading* heading) {
+    liveness_.forget_place();
     filter_.forget();
     other_sender();
     sources_.change_to(component);
@@ -211,6 +212,7 @@ class VesselTrack {
     sources_.change_to(source);
   }
   void rebooted(std::int64_t stamp_us) {
+    liveness_.forget_place();
     origins_.forget(stamps_.arrived_us());
     filter_.forget();
     other_sender();

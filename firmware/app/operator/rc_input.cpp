@@ -14,8 +14,8 @@ using core::State;
 
 constexpr std::size_t kSteering = 0, kThrottle = 2;
 constexpr std::uint16_t kSwitchedOn_us = 1700;
-// Below this, a receiver has lost its transmitter, as by ArduPilot's FS_THR_VALUE (910 to 1100). A
-// transmitter's full travel ends at 988.
+// A throttle below this shows that the receiver has lost its transmitter, as with ArduPilot's
+// FS_THR_VALUE (910 to 1100). A transmitter's full travel ends at 988.
 constexpr std::uint16_t kLostThrottle_us = 975;
 constexpr double kMoved = 0.3;
 constexpr std::int64_t kSilent_us = 500'000;

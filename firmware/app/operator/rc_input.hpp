@@ -41,7 +41,7 @@ class RcInput {
   RcInput(std::uint8_t component, std::uint8_t lost) : lost_(lost), component_(component) {}
 
   Sticks sticks_, rest_;
-  std::int64_t heard_us_ = 0;                           // when pulses came that counted
+  std::int64_t heard_us_ = 0;                           // when the last valid pulses came
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
   std::uint8_t lost_ = 0, component_ = 0;  // the component that has lost its transmitter; in use
   std::optional<core::Request> asks_;

@@ -194,7 +194,7 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
   if (supervisor_.state() == core::State::kAuto) {
     const auto here = place();
     if (!here) return mav::kTemporarilyRejected;
-    asked.why = missions_.refusal_of_way(*here, *asked.item, configuration_.plan);
+    asked.why = missions_.refusal_of_way(*here, *asked.item, configuration_.plan, asked.anew);
     if (!asked.why.empty()) return mav::kDenied;
   }
   if (!missions_.set_current(*asked.item, asked.anew)) return mav::kDenied;
@@ -210,7 +210,8 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
   return mav::kAccepted;
 }
 
-/// A disarming wins over a request that came behind it in the same tick: nobody has seen it.
+/// A command to disarm wins over a request that comes after it in the same tick: whoever sent the
+/// request had not yet seen the boat disarmed.
 /// A request whose first copy was lost may arrive after a newer stop: on a slower link, or sent
 /// again after another operator's stop. The microcontroller's image has no room for this last rule.
 void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked) {
@@ -220,7 +221,8 @@ void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedC
   const bool recent = FLOTILLA_KEEPS_FLEET != 0 && now_us_ - stop_.us < 5 * kSecond_us;
   if (!drives(asked.request)) {
     const auto links = static_cast<std::uint8_t>(others || !recent ? link : stop_.links | link);
-    stop_ = {now_us_, pending.from, links, asked.request != Request::kHold};
+    const bool disarmed = stop_.disarms && pending.read_us <= stop_.us;
+    stop_ = {now_us_, pending.from, links, disarmed || asked.request != Request::kHold};
   } else if ((stop_.disarms && pending.read_us <= stop_.us) ||
              (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
     asked = {mav::kTemporarilyRejected};

@@ -97,8 +97,8 @@ class PlanProgress {
   /// Executes the item if it is a jump or a speed; returns the number of the item that follows.
   std::size_t pass(Plan plan, std::size_t item);
 
-  /// Goes to an item, past all others: with the speed that those before it set. anew: no jump
-  /// counts as taken.
+  /// Goes to an item directly, with the speed that the items before it set. anew: no jump counts as
+  /// taken.
   void go_to(Plan plan, std::size_t item, bool anew);
 
   /// The speed that the plan has set; 0: none.

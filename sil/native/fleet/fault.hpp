@@ -81,7 +81,7 @@ constexpr std::array kFaults = [] {
       {kOwnFrozen, "own_frozen", kUnit, true, "", kNoValue, kNoValue,
        "it repeats the state of the fault's start with new time stamps"},
       {kOwnStuck, "own_stuck", kUnit, true, "", kNoValue, kNoValue,
-       "it repeats the position of the fault's start and reports no speed; heading and yaw rate "
+       "it repeats the position of the fault's start and reports zero speed; heading and yaw rate "
        "stay true"},
       {kOwnJump, "own_jump", kUnit, true, "m", kAny, Range{1, 30},
        "it reports a position that far north of the true one"},
@@ -92,8 +92,8 @@ constexpr std::array kFaults = [] {
       {kOwnPoorFix, "own_poor_fix", kUnit, false, "", kNoValue, kNoValue,
        "GPS_RAW_INT reports no fix, and a good one when the fault ends; before the fault it sends none"},
       {kOwnPoorEstimate, "own_poor_estimate", kUnit, false, "", kNoValue, kNoValue,
-       "ESTIMATOR_STATUS reports an accuracy of 500 m once, then an unknown one, a good one when "
-       "the fault ends; before the fault it sends none"},
+       "ESTIMATOR_STATUS reports an accuracy of 500 m once, then an unknown one, and a good one "
+       "when the fault ends; before the fault it sends none"},
       {kOwnImpostor, "own_impostor", kUnit, false, "m", kAny, Range{20, 500},
        "a second unit on its link, same system id and a lower component id, that far north"},
       {kOwnLateKind, "own_late_kind", kUnit, true, "s", kPositive, Range{0.5, 5},
@@ -133,8 +133,8 @@ constexpr std::array kFaults = [] {
        "another vessel is at anchor that far ahead; it reports its position but no velocity, and a "
        "second component of it sends a vehicle's HEARTBEAT"},
       {kAnchoredLate, "anchored_late", kRadio, false, "s", kPositive, Range{4, 10},
-       "another vessel is at anchor 8 m ahead; it is heard promptly for that time, and always that "
-       "much later, too"},
+       "another vessel is at anchor 8 m ahead; its messages come that much later, and for an equal "
+       "time at first also promptly"},
       {kCrowd, "crowd", kRadio, false, "vessels", {0, 60}, Range{9, 60},
        "that many other vessels are at anchor: the nearest 6 m ahead, the next ones every 5 m"},
       {kAisShip, "ais_ship", kRadio, false, "m", kAny, kNever,

@@ -42,8 +42,8 @@ class VesselFaults {
   /// Appends the second units' output; call measured() first, which stores the true state.
   void send_beside(std::int64_t now_us, Bytes& out);
 
-  /// The radio signal of others to this vessel, of that system id, alone: vessels at anchor, AIS, a
-  /// ground station. Call measured() first; valid until the next call.
+  /// The radio signal that others (vessels at anchor, an AIS receiver, a ground station) send to
+  /// this vessel alone. `system`: its id. Call measured() first; valid until the next call.
   std::span<const std::uint8_t> sent_to(std::uint8_t system, std::int64_t now_us);
 
   /// Appends the frames of other nodes on the bus.

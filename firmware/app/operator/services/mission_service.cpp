@@ -356,9 +356,12 @@ void MissionService::check_plan(const PlanDefaults& defaults) {
 }
 
 std::string_view MissionService::refusal_of_way(const convert::Position& here, std::size_t item,
-                                                const PlanDefaults& defaults) const {
+                                                const PlanDefaults& defaults, bool anew) const {
   PlanReader reader;
-  reader.begin({std::max(item, homes_of(plan())), convert::global_of(here), {}, progress_},
+  reader.begin({std::max(item, homes_of(plan())),
+                convert::global_of(here),
+                {},
+                anew ? PlanProgress{} : progress_},
                defaults);
   auto first = reader.next(plan());
   if (first && !place_of(plan()[first->mark.item])) first = reader.next(plan());  // a wait here

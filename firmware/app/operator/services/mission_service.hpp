@@ -93,8 +93,8 @@ class MissionService {
   bool take_jump();
   /// Passes the items up to the one ahead. complete: the plan is at its end.
   void sailed(const PlanMark& ahead, bool complete);
-  /// Whether the plan pauses after an item whose autocontinue is 0. ArduPilot's do not, and its
-  /// clients send 0 without any such intention.
+  /// Whether the plan pauses after an item whose autocontinue is 0. Not with ArduPilot's identity:
+  /// its clients send 0 without intending a pause.
   bool pauses() const { return !homes_; }
   /// Of the plan, up to the current item.
   const PlanProgress& progress() const { return progress_; }
@@ -112,9 +112,9 @@ class MissionService {
     return item > homes_of(plan()) ? kErrandReach_m : kPlanStart_m;
   }
   /// Why the boat cannot go straight to an item's place, or the first place after it: the place is
-  /// too far away, or the way leaves the fence. Empty if it can.
+  /// too far away, or the way leaves the fence. Empty if it can. anew: no jump counts as taken.
   std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
-                                  const PlanDefaults& defaults) const;
+                                  const PlanDefaults& defaults, bool anew = false) const;
   /// Before AUTO: judges the way from the boat to where the plan begins. Call forget_way() when
   /// that judgement is out of date, because the boat has moved.
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
