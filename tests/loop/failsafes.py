@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import flotilla
 import numpy as np
+from pymavlink.dialects.v20 import common as mavlink
 from rich.console import Console
 from rich.progress import track
 
@@ -47,7 +48,6 @@ LOSSES = (
 )
 STOPS = ("LOITER", "RTL")
 LEAD = 1
-PAUSE = 193  # MAV_CMD_DO_PAUSE_CONTINUE
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,9 @@ class Watch:
             self.pushed[member] = max(self.pushed[member], most)
             one = self.drawn[member]
             if one.loss == "pause" and tick == round(one.at_s / one.scenario.step_s):
-                batch.fleet.command([batch.row(run, one.boat)], t_us, PAUSE, (0.0,))
+                batch.fleet.command(
+                    [batch.row(run, one.boat)], t_us, mavlink.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,)
+                )
 
 
 def expected(drawn: Drawn, boat: int) -> set[str]:

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import flotilla
 import numpy as np
+from pymavlink.dialects.v20 import common as mavlink
 from rich.console import Console
 from rich.progress import Progress
 
@@ -61,7 +62,7 @@ SETTINGS = (
     "link.everyone=true",
     "parameters.FS_COAST_S=15.0",
 )
-RADIO, PAUSE = 1, 193
+RADIO = 1
 SIDE = range(4)  # boats from 0 on one side of a split
 
 _AUTO = flotilla.STATES.index("AUTO")
@@ -163,7 +164,7 @@ class Observer:
     def _order(self, batch: Batch, run: int, at_s: float, k: int, t_us: int) -> None:
         first, second, *_ = batch.agents(run)
         if self.kind == "paused" and k == round((at_s - PAUSED_S) / self.one.step_s):
-            batch.fleet.command([first], t_us, PAUSE, (0.0,))
+            batch.fleet.command([first], t_us, mavlink.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,))
         if self.kind == "left_out" and k == round(at_s / self.one.step_s):
             table = table_message(2, self.members[:-1], in_s=1.0)
             batch.fleet.hear(second, table, t_us, RADIO)

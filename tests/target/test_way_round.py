@@ -51,6 +51,12 @@ CASES: dict[str, tuple[list[Points], list[Points], tuple[float, float]]] = {
     "walls and a circle": ([WALL, [(16, 2), (20, 2), (20, 30), (16, 30)]], [], (26, 14)),
 }
 
+#: A wall from one side of the permitted water to the other.
+BARRIER = [
+    *corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)]),
+    *corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)]),
+]
+
 
 def items(outs: list[Points], ins: list[Points]) -> list[Item]:
     """The fence of a case; the isle as a true circle."""
@@ -107,6 +113,18 @@ def set_out(sea: Afloat) -> None:
     """Until the boat has begun to sail south."""
     while place(sea)[0] > 19.0:
         sea.run(0.2)
+
+
+def close_the_way_home(sea: Afloat, state: str, fence: list[Item]) -> None:
+    """Store the fence, and switch it on once the boat is under way to 0, 0 in RTL or GUIDED."""
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
+    sea.order(FENCE_ENABLE, 0.0)
+    if state == "RTL":
+        sea.mode(RTL)
+    else:
+        go_to(sea, 0, 0)
+    set_out(sea)
+    sea.order(FENCE_ENABLE, 1.0)
 
 
 def away(goal: tuple[float, float]) -> Afloat:
@@ -169,9 +187,7 @@ def test_rtl_sails_straight_through_a_gap_narrower_than_the_margin() -> None:
 
 def test_without_a_way_back_the_boat_waits_and_reports_it() -> None:
     sea = away((20, 0))
-    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
-    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
-    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
+    assert send(sea, FENCE, BARRIER) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(10.0)
     assert NO_WAY in words(sea) and sea.state == "RTL"
@@ -180,9 +196,7 @@ def test_without_a_way_back_the_boat_waits_and_reports_it() -> None:
 
 def test_rtl_without_a_way_sets_out_once_the_fence_is_switched_off() -> None:
     sea = away((20, 0))
-    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
-    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
-    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
+    assert send(sea, FENCE, BARRIER) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(35.0)
     assert words(sea).count(NO_WAY) == 1 and place(sea) == pytest.approx((20, 0), abs=0.1)
@@ -264,16 +278,7 @@ def test_a_boat_in_rtl_finds_a_way_round_a_fence_enabled_later() -> None:
 @pytest.mark.parametrize("state", ["RTL", "GUIDED"])
 def test_a_boat_in_rtl_waits_if_a_fence_closes_its_way(state: str) -> None:
     sea = away((20, 0))
-    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
-    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
-    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
-    sea.order(FENCE_ENABLE, 0.0)
-    if state == "RTL":
-        sea.mode(RTL)
-    else:
-        go_to(sea, 0, 0)
-    set_out(sea)
-    sea.order(FENCE_ENABLE, 1.0)
+    close_the_way_home(sea, state, BARRIER)
     sea.run(30.0)
     assert sea.state == state and words(sea).count(NO_WAY) == 1
     assert place(sea)[0] > 12.5
@@ -285,13 +290,7 @@ def test_a_boat_in_rtl_waits_if_a_fence_closes_its_way(state: str) -> None:
 @pytest.mark.parametrize("repeated", [False, True])
 def test_a_boat_that_waits_sets_out_again_when_the_fence_is_switched_off(repeated: bool) -> None:
     sea = away((20, 0))
-    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
-    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
-    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
-    sea.order(FENCE_ENABLE, 0.0)
-    go_to(sea, 0, 0)
-    set_out(sea)
-    sea.order(FENCE_ENABLE, 1.0)
+    close_the_way_home(sea, "GUIDED", BARRIER)
     sea.run(30.0)
     assert NO_WAY in words(sea) and place(sea)[0] > 12.5
     sea.order(FENCE_ENABLE, 0.0)
@@ -308,14 +307,7 @@ def test_a_boat_that_waits_finds_a_way_that_opens_though_the_fence_stays(state: 
     sea.say(param_set("WP_WIDTH", 4.0))
     wall: Points = [(8, -30), (8, 22), (12, 22), (12, -30)]
     ring: Points = [(-6, -28), (-6, 28), (30, 28), (30, -28)]
-    assert send(sea, FENCE, corners(KEEP_OUT, wall) + corners(KEEP_IN, ring)) == ITEM_ACCEPTED
-    sea.order(FENCE_ENABLE, 0.0)
-    if state == "RTL":
-        sea.mode(RTL)
-    else:
-        go_to(sea, 0, 0)
-    set_out(sea)
-    sea.order(FENCE_ENABLE, 1.0)
+    close_the_way_home(sea, state, corners(KEEP_OUT, wall) + corners(KEEP_IN, ring))
     sea.run(25.0)
     assert NO_WAY in words(sea) and place(sea)[0] > 12.5
     sea.say(param_set("WP_WIDTH", 0.0))

@@ -13,12 +13,12 @@ namespace {
 constexpr std::int64_t kBeacon_us = 1'200'000;
 // A change is sent at once and repeated, because radios lose packets.
 constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
-// A boat that has lost the leader says so kLostRepeats times, as the next leader waits for a beacon
-// of each member: of twelve in 1.2 s, a radio that loses 30 % loses all once in two million times.
-constexpr std::int64_t kLoses_us = 100'000;
-constexpr std::size_t kLostRepeats = 12;
-// After that, while a fit boat has no leader, at most until its coast ends.
-constexpr std::int64_t kLost_us = 200'000;
+// A boat that has lost the leader reports the loss this often, because the next leader waits for a
+// beacon of each member. A radio that loses 30 % loses all twelve once in two million times.
+constexpr std::size_t kLossReports = 12;
+constexpr std::int64_t kLossReport_us = 100'000;
+// Interval after those, while a fit boat has no leader, until its coast ends.
+constexpr std::int64_t kLeaderless_us = 200'000;
 // A boat without the newest table gets it from the member with the earliest turn.
 constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 // Beyond FS_LEADER_S: by then a follower already coasts.
@@ -255,11 +255,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
         {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_, drives, alone, ordered,
          by_hand_, alone && state != state_, state == core::State::kManual},
         std::span(peers_.all()).first(table->count));
-    // If an operator has stopped the leader and most others, all were meant: the boat that would
-    // wait in the leader's place has missed the order.
-    const bool by_rule = order == FleetOrder::kLead || succession_.sails_by_rule();
-    stops = stops || (succession_.leads() && by_rule && leader_stopped_ &&
-                      most_stopped(*rank, std::span(peers_.all()).first(table->count)));
+    stops = stops || has_missed_stop(order, *rank, *table);
     if (succession_.leads() && order != FleetOrder::kLead) {
       // In other modes its own item says nothing about the fleet's plan.
       note_place(state == core::State::kAuto ? report.place : FleetPlace{0, place_.item});
@@ -279,6 +275,14 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   attachment_ = next;
   update_beacon(report, order == FleetOrder::kFollow, now_us);
   return stops ? FleetOrder::kStop : order;
+}
+
+/// If an operator has stopped the leader and most other boats, the order was meant for all. A boat
+/// that would wait in the leader's place by the rule has missed it.
+bool Fleet::has_missed_stop(FleetOrder order, std::size_t own, const FleetTable& table) const {
+  const bool by_rule = order == FleetOrder::kLead || succession_.sails_by_rule();
+  return succession_.leads() && by_rule && leader_stopped_ &&
+         most_stopped(own, std::span(peers_.all()).first(table.count));
 }
 
 void Fleet::stopped() {
@@ -355,7 +359,7 @@ void Fleet::update_beacon(const FleetReport& report, bool yields, std::int64_t n
   told_ = now;
   if (!urgent) return;
   beacon_us_ = now_us;
-  repeats_ = loses ? kLostRepeats : std::max(repeats_, kRepeats_us.size());
+  repeats_ = loses ? kLossReports : std::max(repeats_, kRepeats_us.size());
 }
 
 std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
@@ -365,11 +369,11 @@ std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
   if (!speaks || now_us < beacon_us_) return std::nullopt;
   asks_ = false;
   const bool waited_for = succession_.lost() && (told_.flags & FleetPeers::kFit) != 0;
-  beacon_us_ = now_us + (waited_for ? kLost_us : kBeacon_us);
+  beacon_us_ = now_us + (waited_for ? kLeaderless_us : kBeacon_us);
   if (repeats_ > 0) {
     const std::size_t left = repeats_--;
-    beacon_us_ =
-        now_us + (left > kRepeats_us.size() ? kLoses_us : kRepeats_us[kRepeats_us.size() - left]);
+    beacon_us_ = now_us + (left > kRepeats_us.size() ? kLossReport_us
+                                                     : kRepeats_us[kRepeats_us.size() - left]);
   }
   ++told_.sequence;
   return told_;

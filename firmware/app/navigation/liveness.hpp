@@ -74,9 +74,11 @@ class Liveness {
   static constexpr S kTold = S(0.15);   ///< m, rad: well above any message's rounding
   static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
   static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: counts as at rest
+  /// A position that stays within kNear_m, more than the noise of precise ones, for kNear_s,
+  /// although the velocity leads kFar_m away, is frozen.
+  static constexpr Metres kNear_m = Metres(0.15);
   static constexpr S kNear_s = S(2), kFar_m = S(1);
-  static constexpr Metres kNear_m = Metres(0.15);  ///< more than the noise of precise positions
-  static constexpr int kFew = 3;                   ///< messages
+  static constexpr int kFew = 3;  ///< messages
 
   static S left_after(S h) { return S(1) - core::min(kForgetting_per_s * h, S(1)); }
 

@@ -211,20 +211,19 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
 }
 
 /// A command to disarm wins over a request that comes after it in the same tick: whoever sent the
-/// request had not yet seen the boat disarmed.
-/// A request whose first copy was lost may arrive after a newer stop: on a slower link, or sent
-/// again after another operator's stop. The microcontroller's image has no room for this last rule.
+/// request had not yet seen the boat disarmed. A request whose first copy was lost may arrive after
+/// a newer stop: on a slower link, or sent again after another operator's stop. The
+/// microcontroller's image has no room for this last rule.
 void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked) {
   if (asked.request == Request::kNone) return;
   const auto link = static_cast<std::uint8_t>(1U << pending.link);
   const bool others = pending.from != stop_.by;
   const bool recent = FLOTILLA_KEEPS_FLEET != 0 && now_us_ - stop_.us < 5 * kSecond_us;
+  const bool after_disarm = stop_.disarms && pending.read_us <= stop_.us;
   if (!drives(asked.request)) {
     const auto links = static_cast<std::uint8_t>(others || !recent ? link : stop_.links | link);
-    const bool disarmed = stop_.disarms && pending.read_us <= stop_.us;
-    stop_ = {now_us_, pending.from, links, disarmed || asked.request != Request::kHold};
-  } else if ((stop_.disarms && pending.read_us <= stop_.us) ||
-             (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
+    stop_ = {now_us_, pending.from, links, after_disarm || asked.request != Request::kHold};
+  } else if (after_disarm || (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
     asked = {mav::kTemporarilyRejected};
     asked.why = "boat was just stopped: ask again in 5 s";
   }
@@ -256,6 +255,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
                                            links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
+  // AUTO again at the plan's end begins the plan anew.
   const bool stays = decision.granted && !decision.changed && !command.repeated;
   if (asked.request == Request::kAuto && stays && missions_.is_complete()) asked.item = 0;
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not set if denied
