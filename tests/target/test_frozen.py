@@ -109,6 +109,13 @@ def test_a_unit_that_was_stuck_before_it_started_stops_the_boat_within_nine_seco
             break
     assert sea.state == "HOLD" and sea.commands == (0, 0)
     assert not sea.condition("own_live") or not sea.condition("boat_answers")
+    for _ in range(3):
+        sea.mode(FORMATION)
+        begun_us = sea.now_us
+        while sea.state == "FORMATION":
+            sea.step()
+            assert sea.now_us - begun_us < 2_000_000, "a request is no reason to wait so long again"
+        sea.run(1.0)
 
 
 def test_a_boat_that_lies_still_with_exact_instruments_may_be_armed() -> None:
