@@ -28,6 +28,9 @@ constexpr std::int64_t kLeaders_us = 1'500'000;
 // A boat without a place does not know the others' places. It waits this long before it answers a
 // request, and meanwhile receives their table.
 constexpr std::int64_t kMembers_us = 6'000'000;
+// An operator's HOLD reaches most boats within a second; after three more at most, a boat that misses
+// it takes the lead.
+constexpr std::int64_t kOneOrder_us = 4'000'000;
 
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
@@ -255,7 +258,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
         {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_, drives, alone, ordered,
          by_hand_, alone && state != state_, state == core::State::kManual},
         std::span(peers_.all()).first(table->count));
-    stops = stops || has_missed_stop(order, *rank, *table);
+    stops = has_missed_stop(order, *rank, *table, now_us) || stops;
     if (succession_.leads() && order != FleetOrder::kLead) {
       // In other modes its own item says nothing about the fleet's plan.
       note_place(state == core::State::kAuto ? report.place : FleetPlace{0, place_.item});
@@ -277,12 +280,15 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   return stops ? FleetOrder::kStop : order;
 }
 
-/// If an operator has stopped the leader and most other boats, the order was meant for all. A boat
-/// that would wait in the leader's place by the rule has missed it.
-bool Fleet::has_missed_stop(FleetOrder order, std::size_t own, const FleetTable& table) const {
+/// If operators have stopped the leader and most other boats, or most others just now, the order was
+/// meant for all. A boat that leads by the rule, or is about to, has missed it.
+bool Fleet::has_missed_stop(FleetOrder order, std::size_t own, const FleetTable& table,
+                            std::int64_t now_us) {
+  const bool most = most_stopped(own, std::span(peers_.all()).first(table.count));
+  if (!most) most_sailed_us_ = now_us;
+  const bool just = now_us - most_sailed_us_ < kOneOrder_us;
   const bool by_rule = order == FleetOrder::kLead || succession_.sails_by_rule();
-  return succession_.leads() && by_rule && leader_stopped_ &&
-         most_stopped(own, std::span(peers_.all()).first(table.count));
+  return most && (leader_stopped_ || just) && succession_.leads() && by_rule;
 }
 
 void Fleet::stopped() {

@@ -49,8 +49,9 @@ void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
   const bool cycle = now_ms - first_ms_ >= kAttaches_ms &&
                      std::memchr(m.path.data(), own_.system, m.path.size()) != nullptr;
   const RootOffset offset{m.offset_n, m.offset_b};
-  word_.emplace(now_us, Branch{m.root, m.maker}, offset, behind(offset), m.path, length_of(m.path),
-                cycle, followed);
+  const auto ours = word_ && word_->offset == offset ? word_->ours : behind(offset);
+  word_.emplace(now_us, Branch{m.root, m.maker}, offset, ours, m.path, length_of(m.path), cycle,
+                followed);
   const std::int64_t age_us = now_us - valid_us;
   if (age_us > kOld_us) leads_ = false;
   if (age_us > kYoung_us) not_young_us_ = now_us;

@@ -21,6 +21,7 @@ struct Branch {
 /// A slot relative to the root: n keeps its bearing, b turns with the root.
 struct RootOffset {
   convert::WireOffset n{}, b{};
+  friend bool operator==(const RootOffset&, const RootOffset&) = default;
 };
 
 class TreePlace {

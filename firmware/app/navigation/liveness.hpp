@@ -28,14 +28,16 @@ class Liveness {
     const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
     const bool heads = sample.psi_rad == psi_rad_;
     const core::Nu<S> nu = convert::nu_of(sample);
-    if (is_near(sample.north_m, near_north_m_) && is_near(sample.east_m, near_east_m_)) {
+    if (!is_near(sample.north_m, near_north_m_) || !is_near(sample.east_m, near_east_m_)) {
+      near_ = {};
+      left_ = left_ || S(0) < h;
+      near_north_m_ = sample.north_m, near_east_m_ = sample.east_m;
+    } else if (stays || near_.time >= kBrief_s) {
       const auto v_n = core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v});
       if (!strays()) near_.stay(v_n, h);
       place_.stay(v_n, h);
     } else {
-      near_ = {};
-      left_ = left_ || S(0) < h;
-      near_north_m_ = sample.north_m, near_east_m_ = sample.east_m;
+      near_.Stuck::stay(h);  // as most positions of a boat under way: no need of its velocity
     }
     if (!stays) place_ = {};
     if (heads) {
@@ -77,7 +79,7 @@ class Liveness {
   /// A position that stays within kNear_m, more than the noise of precise ones, for kNear_s,
   /// although the velocity leads kFar_m away, is frozen.
   static constexpr Metres kNear_m = Metres(0.15);
-  static constexpr S kNear_s = S(2), kFar_m = S(1);
+  static constexpr S kNear_s = S(2), kFar_m = S(1), kBrief_s = S(0.5);
   static constexpr int kFew = 3;  ///< messages
 
   static S left_after(S h) { return S(1) - core::min(kForgetting_per_s * h, S(1)); }

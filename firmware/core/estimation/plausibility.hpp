@@ -115,7 +115,7 @@ SmallMove<S> small_move(const PlausibilityLimits<S>& limits) {
 /// True only if the leg is certainly no jump; far cheaper than innovation_of().
 template <class S>
 bool hardly_moves(const SmallMove<S>& most, const Leg<S>& leg) {
-  const auto within = [](S x, S limit) { return -limit < x && x < limit; };
+  const auto within = [](S x, S limit) { return abs(x) < limit; };
   return within(leg.moved_n.x, most.place) && within(leg.moved_n.y, most.place) &&
          within(leg.psi_to - leg.psi_from, most.heading) &&
          within(leg.to.u - leg.from.u, most.change) && within(leg.to.v - leg.from.v, most.change) &&

@@ -173,6 +173,27 @@ TEST_CASE("a boat that misses an operator's HOLD of all boats stops too") {
   }
 }
 
+TEST_CASE("a boat that hears the leader only through others, or took over, does not miss a HOLD") {
+  for (const bool took_over : {false, true}) {
+    CAPTURE(took_over);
+    Harbour harbour = under_way();
+    if (took_over) {
+      harbour.boats[0].on = false;
+    } else {
+      harbour.boats[1].deaf_to = 1;
+    }
+    harbour.sail(5);
+    REQUIRE(harbour.boats[1].state == (took_over ? State::kAuto : State::kFormation));
+    for (const std::size_t who : {0U, 2U, 3U}) {
+      harbour.boats[who].state = State::kHold;
+      harbour.boats[who].stopped = true;
+    }
+    harbour.sail(took_over ? 0.5 : 3.5);
+    CHECK(harbour.boats[1].state == State::kHold);
+    CHECK(harbour.boats[1].stops == 1);
+  }
+}
+
 TEST_CASE("boats that have restarted, or are stopped while the leader sails on, stop no other") {
   for (const bool restarted : {false, true}) {
     CAPTURE(restarted);
