@@ -47,7 +47,8 @@ void Alone<S>::start_plan(std::int64_t now_us) {
                      .start_m = missions.start_m(missions.current()),
                      .home = home(),
                      .progress = missions.progress(),
-                     .pauses = missions.pauses()},
+                     .pauses = missions.pauses(),
+                     .fence = &missions.fence()},
                     configuration().plan);
   pilot_.reports().forget_waits(now_us);
   warnings_.forget_waiting();

@@ -113,6 +113,32 @@ def test_a_leg_past_a_spit_of_land_is_refused_and_one_round_it_taken() -> None:
     assert send(sea, PLAN, [at(-20, 0), at(-20, 40), at(20, 40), at(20, 0)]) == ITEM_ACCEPTED
 
 
+@pytest.mark.parametrize("turn_deg", [60, 90, 135])
+def test_a_corner_round_a_spit_of_land_is_rounded_less(turn_deg: int) -> None:
+    """Land inside the corner, its tip at the margin from both legs; without it, the curve cuts."""
+    turn = math.radians(turn_deg)
+    north, east = math.cos(turn), math.sin(turn)
+    plan = [at(5, 0), at(30, 0), at(30 + 25 * north, 25 * east)]
+    inwards = math.pi / 2 + turn / 2
+    away = (HULL + 0.02) / math.cos(turn / 2)
+    tip = 30 + away * math.cos(inwards), away * math.sin(inwards)
+    back, out = (tip[0] - 30, tip[1]), (tip[0] + 30 * north, tip[1] + 30 * east)
+    land = corners(KEEP_OUT, [back, tip, out, (back[0] + 30 * north, back[1] + 30 * east)])
+    nearest = []
+    for fence in (land, box(0, 0, 300)):
+        sea = fenced(plan, fence, {"LAW_U_MAX": 1.5, "WP_SPEED": 1.5})
+        sea.mode(AUTO)
+        near = math.inf
+        for _ in range(8000):
+            sea.step()
+            near = min(near, math.dist(place(sea), tip))
+            assert sea.state == "AUTO"
+        assert math.dist(place(sea), (30 + 25 * north, 25 * east)) < 0.5
+        nearest.append(near)
+    assert nearest[0] > 0.7 * HULL
+    assert turn_deg == 135 or nearest[1] < 0.6 * HULL
+
+
 def turns(north_m: float, east_m: float, number: float, radius_m: float) -> Item:
     params = (number, 0.0, radius_m, math.nan)
     return at(north_m, east_m)._replace(command=LOITER_TURNS, params=params)

@@ -16,6 +16,7 @@ constexpr int kFarther_m = 50;
 constexpr int kNear_m = 1;  // from this distance of the boat on the vessel slows down
 // Steps of the scout between two samples of the future.
 constexpr int kSteps = 5;
+constexpr float kLeastCut = 0.25F;  // of the margin from a fence
 
 }  // namespace
 
@@ -25,6 +26,8 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
                           const core::Motion<S>& motion) {
   from_ = own;
   start_m_ = voyage.start_m;
+  fence_ = voyage.fence;
+  margin_m_ = defaults.margin_m;
   first_ = {static_cast<std::uint16_t>(voyage.first), voyage.progress.jumps()};
   limits_ = limits;
   points_[0] = {};
@@ -86,11 +89,43 @@ bool PlanVessel<S>::add(const PlanPoint& point) {
     mark.pauses = mark.pauses || before.pauses;
     return true;
   }
+  if (count_ > 1) round_less(points_[count_ - 2].place, last, way);
   points_[count_] = {way, convert::scalar<S>(point.speed_mps), convert::scalar<S>(point.radius_m),
                      wait};
   marks_[count_] = point.mark;
   ++count_;
   return true;
+}
+
+/// Rounds a corner less until the curve keeps three quarters of the margin from the fence, or is a
+/// quarter of it from the waypoint. Judges two chords: the curve lies between them and the legs.
+template <class S>
+void PlanVessel<S>::round_less(const core::Vec2<S>& before, core::Waypoint<S>& corner,
+                               const core::Vec2<S>& after) const {
+  if (fence_ == nullptr || !fence_->is_on()) return;
+  const core::Vec2<S>& here = corner.place;
+  core::Vec2<S> a{before.x - here.x, before.y - here.y}, b{after.x - here.x, after.y - here.y};
+  const S to_a = core::hypot(a.x, a.y), to_b = core::hypot(b.x, b.y);
+  a = {a.x / to_a, a.y / to_a}, b = {b.x / to_b, b.y / to_b};
+  const core::Vec2<S> sum{a.x + b.x, a.y + b.y};
+  const S twice_sin = core::hypot(sum.x, sum.y);  // of half of the turn
+  if (twice_sin < S(0.02)) return;
+  const core::Vec2<S> middle{sum.x / twice_sin, sum.y / twice_sin};
+  // The curve's length along a leg, for each metre from the waypoint; at most half of the leg.
+  const S along = (S(2) + core::hypot(a.x - b.x, a.y - b.y)) / twice_sin;
+  const S most = S(0.5) * core::min(to_a, to_b);
+  const auto on_map = [&](S far, const core::Vec2<S>& e) {
+    return fence_->on_map(
+        {from_.north_m + here.x + far * e.x, from_.east_m + here.y + far * e.y, from_.origin});
+  };
+  const auto least = convert::scalar<core::Q16>((1 - kLeastCut) * margin_m_);
+  const S cut = convert::scalar<S>(kLeastCut * margin_m_);
+  for (; cut < corner.reach; corner.reach = core::max(S(0.5) * corner.reach, cut)) {
+    const S far = core::min(along * corner.reach, most);
+    const auto p = on_map(far, a), q = on_map(far / along, middle), r = on_map(far, b);
+    if (!p || !q || !r) return;
+    if (!(core::min(fence_->clearance(*p, *q), fence_->clearance(*q, *r)) < least)) return;
+  }
 }
 
 /// Measures places and motion from the vessel's present place.

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "app/plan/errand.hpp"
+#include "app/plan/fence.hpp"
 #include "core/drive.hpp"
 #include "core/future.hpp"
 
@@ -22,7 +23,8 @@ struct Voyage {
   float start_m = kPlanStart_m;  ///< the farthest that this place may be from the boat
   std::optional<convert::GlobalPoint> home{};
   PlanProgress progress{};
-  bool pauses = false;  ///< after an item whose autocontinue is 0
+  bool pauses = false;           ///< after an item whose autocontinue is 0
+  const Fence* fence = nullptr;  ///< corners keep from it; it must outlive the plan's vessel
 };
 
 /// The boat that follows the vessel, off_m away; from far_m on the vessel waits for it.
@@ -99,6 +101,8 @@ class PlanVessel {
   core::Waypoints<S> points() const { return core::Waypoints<S>(points_).first(count_); }
   void fill(Plan plan);
   bool add(const PlanPoint& point);
+  void round_less(const core::Vec2<S>& before, core::Waypoint<S>& corner,
+                  const core::Vec2<S>& after) const;
   void move_base();
   bool is_under_way() const;
   std::size_t reached_point() const { return is_under_way() ? state_.next - 1 : state_.next; }
@@ -108,6 +112,8 @@ class PlanVessel {
 
   convert::Position from_;
   float start_m_ = 0;
+  const Fence* fence_ = nullptr;
+  float margin_m_ = 0;
   PlanMark first_;  // where it started
   core::RouteParams<S> limits_;
   PlanReader reader_;
