@@ -118,7 +118,7 @@ def test_a_corner_round_a_spit_of_land_is_rounded_less(turn_deg: int) -> None:
     """Land inside the corner, its tip at the margin from both legs; without it, the curve cuts."""
     turn = math.radians(turn_deg)
     north, east = math.cos(turn), math.sin(turn)
-    plan = [at(5, 0), at(30, 0), at(30 + 25 * north, 25 * east)]
+    plan = [at(5, 0), at(30, 0, radius_m=4), at(30 + 25 * north, 25 * east)]
     inwards = math.pi / 2 + turn / 2
     away = (HULL + 0.02) / math.cos(turn / 2)
     tip = 30 + away * math.cos(inwards), away * math.sin(inwards)
@@ -136,7 +136,21 @@ def test_a_corner_round_a_spit_of_land_is_rounded_less(turn_deg: int) -> None:
         assert math.dist(place(sea), (30 + 25 * north, 25 * east)) < 0.5
         nearest.append(near)
     assert nearest[0] > 0.7 * HULL
-    assert turn_deg == 135 or nearest[1] < 0.6 * HULL
+    assert nearest[1] < 0.6 * HULL
+
+
+@pytest.mark.parametrize("radius_m", [8, 20])
+def test_a_curve_keeps_from_a_rock_inside_the_corner(radius_m: float) -> None:
+    """Both legs pass the rock at the margin, and a wide curve would pass it on its other side."""
+    plan = [at(5, 0), at(40, 0, radius_m=radius_m), at(40, 35)]
+    off = HULL + 1.05
+    sea = fenced(plan, [circle(40 - off, off, 1, CIRCLE_OUT)], {"LAW_U_MAX": 2, "WP_SPEED": 2})
+    sea.mode(AUTO)
+    for _ in range(8000):
+        sea.step()
+        assert sea.state == "AUTO"
+        assert math.dist(place(sea), (40 - off, off)) > 1 + 0.7 * HULL
+    assert math.dist(place(sea), (40, 35)) < 0.5
 
 
 def turns(north_m: float, east_m: float, number: float, radius_m: float) -> Item:

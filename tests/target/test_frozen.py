@@ -109,13 +109,24 @@ def test_a_unit_that_was_stuck_before_it_started_stops_the_boat_within_nine_seco
             break
     assert sea.state == "HOLD" and sea.commands == (0, 0)
     assert not sea.condition("own_live") or not sea.condition("boat_answers")
+
+
+def test_a_boat_that_may_be_held_in_place_gets_its_long_try_once() -> None:
+    sea = Afloat({"FS_LEADER_ACT": 0}, Hull(), s_curve)
+    measured = sea.own.measured
+    still = {"north": 0.0, "east": 0.0, "u": 0.0, "v": 0.0, "r": 0.0}
+    sea.own.measured = lambda now_us: replace(measured(now_us), **still)
+    sea.enter_formation()
+    sea.run(4.5)
+    assert sea.state == "FORMATION"
     for _ in range(3):
+        sea.run(5.0)
+        assert sea.state == "HOLD"
         sea.mode(FORMATION)
-        begun_us = sea.now_us
-        while sea.state == "FORMATION":
-            sea.step()
-            assert sea.now_us - begun_us < 2_000_000, "a request is no reason to wait so long again"
+        sea.run(0.2)
+        assert sea.state == "FORMATION"
         sea.run(1.0)
+        assert sea.state == "HOLD" and not sea.condition("boat_answers")
 
 
 def test_a_boat_that_lies_still_with_exact_instruments_may_be_armed() -> None:

@@ -42,7 +42,7 @@ class ResponseMonitor {
  private:
   core::ThrustResponse<S> state_{};
   bool answers_ = true, held_ = true;
-  bool waited_ = false;  // in vain, for a boat that may be held
+  bool waited_ = false;         // in vain, for a boat that may be held
   core::Impulse<S> impulse_{};  // since the last average
   core::Nu<S> fix_{};
   core::Nu<S> desired_{};  // without the law, the velocity of the last fix

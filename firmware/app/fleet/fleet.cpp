@@ -28,9 +28,9 @@ constexpr std::int64_t kLeaders_us = 1'500'000;
 // A boat without a place does not know the others' places. It waits this long before it answers a
 // request, and meanwhile receives their table.
 constexpr std::int64_t kMembers_us = 6'000'000;
-// An operator's HOLD reaches most boats within a second; after three more at most, a boat that misses
-// it takes the lead.
-constexpr std::int64_t kOneOrder_us = 4'000'000;
+// An operator's order reaches most boats within this time. A boat that misses it takes the lead when
+// the leader has been silent for FS_LEADER_S.
+constexpr std::int64_t kOneOrder_us = 3'000'000;
 
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
@@ -191,8 +191,9 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
 void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const std::size_t leader = succession_.leader();
   const FleetPeer& peer = peers_.all()[rank];
-  const bool relayed = peer.hears == leader;
+  const bool relayed = peer.hears == leader, sailed = peer.heard && !peer.stopped;
   peers_.take(rank, beacon, ledger_, now_us);
+  if (sailed && peer.stopped) stop_before_us_ = std::exchange(last_stop_us_, now_us);
   const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
   // After the leader's stop, the member's first beacon no longer names a leader.
   const bool ends = relayed && beacon.plan_id == 0;
@@ -258,7 +259,9 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
         {*rank, ledger_.newest().epoch, follows && report.fit && !by_hand_, drives, alone, ordered,
          by_hand_, alone && state != state_, state == core::State::kManual},
         std::span(peers_.all()).first(table->count));
-    stops = has_missed_stop(order, *rank, *table, now_us) || stops;
+    const bool by_rule = order == FleetOrder::kLead || (succession_.sails_by_rule() && alone);
+    const bool together = now_us - stop_before_us_ < leader_limit_us + kOneOrder_us;
+    stops = stops || (succession_.leads() && by_rule && has_missed_stop(*rank, *table, together));
     if (succession_.leads() && order != FleetOrder::kLead) {
       // In other modes its own item says nothing about the fleet's plan.
       note_place(state == core::State::kAuto ? report.place : FleetPlace{0, place_.item});
@@ -280,15 +283,11 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   return stops ? FleetOrder::kStop : order;
 }
 
-/// If operators have stopped the leader and most other boats, or most others just now, the order was
-/// meant for all. A boat that leads by the rule, or is about to, has missed it.
-bool Fleet::has_missed_stop(FleetOrder order, std::size_t own, const FleetTable& table,
-                            std::int64_t now_us) {
-  const bool most = most_stopped(own, std::span(peers_.all()).first(table.count));
-  if (!most) most_sailed_us_ = now_us;
-  const bool just = now_us - most_sailed_us_ < kOneOrder_us;
-  const bool by_rule = order == FleetOrder::kLead || succession_.sails_by_rule();
-  return most && (leader_stopped_ || just) && succession_.leads() && by_rule;
+/// Operators have stopped most other boats, and either the leader too or two boats together: they
+/// meant the whole fleet.
+bool Fleet::has_missed_stop(std::size_t own, const FleetTable& table, bool together) const {
+  return (leader_stopped_ || together) &&
+         most_stopped(own, std::span(peers_.all()).first(table.count));
 }
 
 void Fleet::stopped() {

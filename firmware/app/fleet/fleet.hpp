@@ -113,8 +113,7 @@ class Fleet {
   void note_place(const FleetPlace& place);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;
-  bool has_missed_stop(FleetOrder order, std::size_t own, const FleetTable& table,
-                       std::int64_t now_us);
+  bool has_missed_stop(std::size_t own, const FleetTable& table, bool together) const;
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
   void begin(const Configuration::Formation& own, core::State state, std::int64_t now_us);
   std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;
@@ -141,7 +140,8 @@ class Fleet {
   bool asks_ = false;                               // without a table
   std::int64_t beacon_us_ = 0, table_us_ = kNever;  // due
   std::int64_t passed_us_ = kNever;                 // the newest table was last heard or sent
-  std::int64_t most_sailed_us_ = kNever;            // most others were last not stopped
+  // when operators last stopped a member, and the one before
+  std::int64_t last_stop_us_ = kNever, stop_before_us_ = kNever;
   std::uint8_t system_ = 0;
   std::optional<TableVerdict> refusal_;
   std::optional<std::uint16_t> told_epoch_;

@@ -37,7 +37,7 @@ class Liveness {
       if (!strays()) near_.stay(v_n, h);
       place_.stay(v_n, h);
     } else {
-      near_.Stuck::stay(h);  // as most positions of a boat under way: no need of its velocity
+      near_.Stuck::stay(h);
     }
     if (!stays) place_ = {};
     if (heads) {
@@ -79,7 +79,10 @@ class Liveness {
   /// A position that stays within kNear_m, more than the noise of precise ones, for kNear_s,
   /// although the velocity leads kFar_m away, is frozen.
   static constexpr Metres kNear_m = Metres(0.15);
-  static constexpr S kNear_s = S(2), kFar_m = S(1), kBrief_s = S(0.5);
+  static constexpr S kNear_s = S(2), kFar_m = S(1);
+  /// A boat under way leaves within this time. Until then its velocity is not integrated, which
+  /// saves time.
+  static constexpr S kBrief_s = S(0.5);
   static constexpr int kFew = 3;  ///< messages
 
   static S left_after(S h) { return S(1) - core::min(kForgetting_per_s * h, S(1)); }

@@ -212,8 +212,8 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
 
 /// A command to disarm wins over a request that comes after it in the same tick: whoever sent the
 /// request had not yet seen the boat disarmed. A request whose first copy was lost may arrive after
-/// a newer stop: on a slower link, or sent again after another operator's stop. The
-/// microcontroller's image has no room for this last rule.
+/// a newer stop: so for 5 s, a request is refused on a link that did not carry the stop, and a
+/// repeated one from another operator. The microcontroller's image has no room for this.
 void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked) {
   if (asked.request == Request::kNone) return;
   const auto link = static_cast<std::uint8_t>(1U << pending.link);

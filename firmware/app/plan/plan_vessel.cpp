@@ -98,7 +98,8 @@ bool PlanVessel<S>::add(const PlanPoint& point) {
 }
 
 /// Rounds a corner less until the curve keeps three quarters of the margin from the fence, or is a
-/// quarter of it from the waypoint. Judges two chords: the curve lies between them and the legs.
+/// quarter of it from the waypoint. Judges two chords and what lies between their meeting and the
+/// waypoint: the curve is between them and the legs, but for 4 % of the distance at its ends.
 template <class S>
 void PlanVessel<S>::round_less(const core::Vec2<S>& before, core::Waypoint<S>& corner,
                                const core::Vec2<S>& after) const {
@@ -111,9 +112,9 @@ void PlanVessel<S>::round_less(const core::Vec2<S>& before, core::Waypoint<S>& c
   const S twice_sin = core::hypot(sum.x, sum.y);  // of half of the turn
   if (twice_sin < S(0.02)) return;
   const core::Vec2<S> middle{sum.x / twice_sin, sum.y / twice_sin};
-  // The curve's length along a leg, for each metre from the waypoint; at most half of the leg.
+  // Where an arc leaves the leg, for each metre that it passes from the waypoint.
   const S along = (S(2) + core::hypot(a.x - b.x, a.y - b.y)) / twice_sin;
-  const S most = S(0.5) * core::min(to_a, to_b);
+  corner.reach = core::min(corner.reach, S(0.5) * core::min(to_a, to_b) / along);
   const auto on_map = [&](S far, const core::Vec2<S>& e) {
     return fence_->on_map(
         {from_.north_m + here.x + far * e.x, from_.east_m + here.y + far * e.y, from_.origin});
@@ -121,10 +122,12 @@ void PlanVessel<S>::round_less(const core::Vec2<S>& before, core::Waypoint<S>& c
   const auto least = convert::scalar<core::Q16>((1 - kLeastCut) * margin_m_);
   const S cut = convert::scalar<S>(kLeastCut * margin_m_);
   for (; cut < corner.reach; corner.reach = core::max(S(0.5) * corner.reach, cut)) {
-    const S far = core::min(along * corner.reach, most);
-    const auto p = on_map(far, a), q = on_map(far / along, middle), r = on_map(far, b);
-    if (!p || !q || !r) return;
-    if (!(core::min(fence_->clearance(*p, *q), fence_->clearance(*q, *r)) < least)) return;
+    const S far = along * corner.reach;
+    const auto p = on_map(far, a), q = on_map(corner.reach, middle), r = on_map(far, b);
+    const auto waypoint = on_map(S(0), middle);
+    if (!p || !q || !r || !waypoint) return;
+    const auto clear = [&](const Fence::Place& end) { return fence_->clearance(*q, end); };
+    if (!(core::min(core::min(clear(*p), clear(*r)), clear(*waypoint)) < least)) return;
   }
 }
 

@@ -173,7 +173,7 @@ TEST_CASE("a boat that misses an operator's HOLD of all boats stops too") {
   }
 }
 
-TEST_CASE("a boat that hears the leader only through others, or took over, does not miss a HOLD") {
+TEST_CASE("a boat that misses a HOLD stops even if it does not hear the leader, or took over") {
   for (const bool took_over : {false, true}) {
     CAPTURE(took_over);
     Harbour harbour = under_way();
@@ -192,6 +192,38 @@ TEST_CASE("a boat that hears the leader only through others, or took over, does 
     CHECK(harbour.boats[1].state == State::kHold);
     CHECK(harbour.boats[1].stops == 1);
   }
+}
+
+TEST_CASE("a boat that took over sails on if one boat is stopped and the others fall silent") {
+  for (const bool pair : {false, true}) {
+    CAPTURE(pair);
+    Harbour harbour = under_way();
+    harbour.boats[0].on = false;
+    if (pair) harbour.boats[3].on = false;
+    harbour.sail(5);
+    const State state = pair ? State::kLoiter : State::kAuto;  // two boats of four are no majority
+    REQUIRE(harbour.boats[1].state == state);
+    harbour.boats[2].state = State::kDisarmed;
+    harbour.boats[2].stopped = true;
+    harbour.sail(2);
+    harbour.boats[3].on = false;
+    harbour.sail(5);
+    CHECK(harbour.boats[1].state == state);
+  }
+}
+
+TEST_CASE("a boat that took over and is steered by a pilot does not stop with the others") {
+  Harbour harbour = under_way();
+  harbour.boats[0].on = false;
+  harbour.sail(5);
+  harbour.boats[1].state = State::kManual;
+  harbour.sail(1);
+  for (const std::size_t who : {2U, 3U}) {
+    harbour.boats[who].state = State::kHold;
+    harbour.boats[who].stopped = true;
+  }
+  harbour.sail(5);
+  CHECK(harbour.boats[1].state == State::kManual);
 }
 
 TEST_CASE("boats that have restarted, or are stopped while the leader sails on, stop no other") {
