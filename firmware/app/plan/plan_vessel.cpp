@@ -119,13 +119,16 @@ void PlanVessel<S>::round_less(const core::Vec2<S>& before, core::Waypoint<S>& c
     return fence_->on_map(
         {from_.north_m + here.x + far * e.x, from_.east_m + here.y + far * e.y, from_.origin});
   };
+  const auto waypoint = on_map(S(0), middle);
+  if (!waypoint) return;
+  const Fence::Length clearance = fence_->clearance(*waypoint);
   const auto least = convert::scalar<core::Q16>((1 - kLeastCut) * margin_m_);
   const S cut = convert::scalar<S>(kLeastCut * margin_m_);
   for (; cut < corner.reach; corner.reach = core::max(S(0.5) * corner.reach, cut)) {
     const S far = along * corner.reach;
+    if (!(clearance < least + convert::q16(far))) return;  // the curve is nowhere farther away
     const auto p = on_map(far, a), q = on_map(corner.reach, middle), r = on_map(far, b);
-    const auto waypoint = on_map(S(0), middle);
-    if (!p || !q || !r || !waypoint) return;
+    if (!p || !q || !r) return;
     const auto clear = [&](const Fence::Place& end) { return fence_->clearance(*q, end); };
     if (!(core::min(core::min(clear(*p), clear(*r)), clear(*waypoint)) < least)) return;
   }
