@@ -2,7 +2,7 @@
 // Sails without a leader. AUTO sails the stored plan, including voyages that measure the hull.
 // GUIDED sails to a target or by velocities, LOITER to a stop, RTL home or to a rally point,
 // straight or round the zones that the fence forbids. A boat that was pushed aside searches for a
-// new way.
+// new path.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,7 @@ class Alone {
   /// One step, dt after the last one, s.
   core::ControllerOutput<S> sail(const Now& now, S dt);
 
-  /// Before AUTO: judges the way from the boat to where the plan begins, ten times a second.
+  /// Before AUTO: judges the path from the boat to the plan's beginning, ten times a second.
   void check_way(const convert::Position& here, std::int64_t now_us);
 
   /// Once a second while home is too far away: looks for a rally point to return to.

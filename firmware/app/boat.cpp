@@ -65,7 +65,7 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
 }
 
 /// Whether sticks or a receiver's status on this link are those of another vessel with our system
-/// id: our own receiver is on the link of the own unit.
+/// id: our own receiver is on the link of our own unit.
 template <class S>
 bool Boat<S>::is_namesakes_rc(std::size_t link) const {
   const bool rc = received_.id == link::RcChannels::kId || received_.id == link::SysStatus::kId;

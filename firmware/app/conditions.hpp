@@ -56,7 +56,7 @@ class FailsafeLimits {
   /// The first sure position since the start, and since the boat was last armed.
   std::optional<Home> home() const { return home_; }
   bool home_near() const { return home_near_; }
-  /// True once after home was set later than in the tick of arming, perhaps at another place.
+  /// Whether home was set after the tick of arming, perhaps at another place; true once.
   [[nodiscard]] bool take_late_home() { return std::exchange(late_home_, false); }
   void set_home(const convert::GlobalPoint& place);
 

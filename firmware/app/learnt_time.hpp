@@ -26,7 +26,8 @@ class LearntTime {
     is_known_ = true;
   }
 
-  /// The same, according to the last report that agreed with the two before it.
+  /// The Unix time at which the boat's clock was 0, by the last report that agreed with the two
+  /// before.
   std::optional<std::int64_t> zero_us() const {
     return is_known_ ? std::optional(zero_us_) : std::nullopt;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The boat as a member of its fleet: reports the boat's state to the fleet's rule, asks the boat to
-// carry out the rule's orders, and passes on messages and news. Does nothing on targets whose flash
-// is short.
+// carry out the rule's orders, and passes on messages and news. Does nothing on targets that have
+// too little flash.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ class Membership {
   /// Whether applied() has changed since the last call.
   [[nodiscard]] bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
-  /// The sender of a message that is to be taken.
+  /// The table's data about the sender of a message.
   Sender sender(const link::Received& received) const {
     Sender sender;
     if (!kKeepsFleet) return sender;
@@ -52,7 +52,7 @@ class Membership {
 
   bool shape_moves(std::int64_t now_us) const { return kKeepsFleet && fleet().moves(now_us); }
 
-  /// Asks the boat to carry out the order. False if it asks nothing.
+  /// Requests that the boat carry out the order. False if there is no order.
   bool obey(FleetOrder order);
 
   /// Sends the messages that are due.

@@ -28,12 +28,12 @@ struct Parts {
   core::State state() const { return supervisor.state(); }
   const Configuration& configuration() const { return vehicle.configuration(); }
 
-  /// The own and the leader's state are fresh.
+  /// The states of the boat and of its leader are fresh.
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (met & kSeen) == kSeen;
   }
-  /// Behind the leader, or the own plan; not in COAST.
+  /// The boat follows its leader or its own plan, and is not in COAST.
   bool keeps_slot() const {
     return state() == core::State::kFormation || core::sails_alone(state());
   }

@@ -110,8 +110,8 @@ void push_forward(const ApproachParams<S>& params, const Vessel<S>& m, ApproachS
                   state.push_n.y + state.east_rest.take(share, push.y - state.push_n.y)};
 }
 
-/// c + p; c alone where p is small, or where c and p point the same way, so that a gust does not
-/// weaken the cross-track term.
+/// c + p; c alone where p is small, or where c and p have about the same direction, so that a gust
+/// does not weaken the cross-track term.
 template <class S>
 Vec2<S> pushed(const ApproachParams<S>& params, const Vec2<S>& c, const Vec2<S>& p) {
   const S least = S(0.8) * params.epsilon;
@@ -143,8 +143,8 @@ bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   return S(0.15) * near < way.closing || S(0.2) * params.epsilon < way.drift;
 }
 
-/// Whether the boat is far from a slot that makes way, and the way there turns further off the
-/// slot's course than a line of sight can; on: as above.
+/// Whether the boat is far from a slot that makes way, and the direction to the slot differs from
+/// the slot's course by more than a line of sight can turn the bow; on: as above.
 template <class S>
 bool lies_abeam(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   const S far = (on ? S(3) : S(6)) * params.k_x * params.Delta;

@@ -60,7 +60,7 @@ ControllerState<S> controller_start(const ControllerInput<S>& in) {
   return state;
 }
 
-/// The slot's motion as the boat is to follow it, and the bow's turn from the slot's heading.
+/// The slot's motion that the boat must follow, and the bow's turn from the slot's heading.
 template <class S>
 struct Course {
   Slot<S> slot{};

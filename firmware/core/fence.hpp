@@ -52,7 +52,7 @@ S distance_to(const Vec2<S>& p, const Vec2<S>& a, const Vec2<S>& b) {
   return abs(difference_of_products(e.x, way.y, e.y, way.x));
 }
 
-/// Whether the lines from a to b and from c to d cross. Lines that only touch may do either.
+/// Whether the lines from a to b and from c to d cross; either result if they only touch.
 template <class S>
 bool crosses(const Vec2<S>& a, const Vec2<S>& b, const Vec2<S>& c, const Vec2<S>& d) {
   const Vec2<S> leg{b.x - a.x, b.y - a.y};

@@ -154,7 +154,7 @@ void begin_leg(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>&
   state.way = S(0);
 }
 
-/// Begins what follows the straight part, corner or turn that has just ended.
+/// Begins the part of the route that follows the straight part, corner or turn just ended.
 template <class S>
 void begin_next(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state) {
   Motion<S>& motion = state.motion;

@@ -106,7 +106,7 @@ struct SeparationParams {
   S eager = S(1);      ///< T_e, s; chosen: short, so that a boat passes rather than waits
   S aside = S(0.3);    ///< k_t, rad/s; chosen: the aim turns by π within 10 s
   S same = S(0.1);     ///< hysteresis, ratio to U and D_min; chosen
-  S nearer = S(0.05);  ///< ε, m; chosen: tolerates noise, which would make a clear w count as not
+  S nearer = S(0.05);  ///< ε, m; chosen: a clear w stays clear despite noise
   S turning = S(2);    ///< k_r, 1/s: ratio of r* to δ; chosen
   S any_rate = S(1);   ///< r_m where LAW_R_MAX is 0, rad/s; chosen
   S faster = S(1.1);   ///< k_U: ratio of U to the slot's speed; chosen: catches up with it

@@ -91,14 +91,16 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
   }
 }
 
-/// Call when the slot is elsewhere: the boat closes up again. Its idle and spinning times continue.
+/// Call when the slot has another place: the boat closes up again. Its idle and spinning times
+/// continue.
 template <class S>
 void station_moved(StationState<S>& state) {
   state.in = state.kept = state.started = false;
   state.in_s = state.far_s = S(0);
 }
 
-/// Advances by h seconds. The caller resets the state when FORMATION, slot or leader is new.
+/// Advances by h seconds. The caller resets the state when FORMATION begins, and when the slot or
+/// the leader changes.
 template <class S>
 void station_forward(const StationParams<S>& params, StationState<S>& state,
                      const StationInput<S>& in, S h) {

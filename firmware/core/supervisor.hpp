@@ -26,9 +26,9 @@ enum class State : std::uint8_t {
   kTest,       ///< armed, one propeller turns, with limited thrust, for seconds
   kFault,      ///< no thrust, ESCs commanded to disarm; only disarming leaves it
   kAuto,       ///< armed, the law drives behind the boat's own plan
-  kGuided,     ///< the same, to where an operator or a script points
-  kLoiter,     ///< the same, to a stop, and waits there
-  kReturn,     ///< the same, home or to a rally point, and waits there
+  kGuided,     ///< the same, to the target of an operator or a script
+  kLoiter,     ///< the same, until the boat stops; it waits there
+  kReturn,     ///< the same, home or to a rally point; the boat waits there
 };
 constexpr std::size_t kStates = 11;
 
@@ -84,21 +84,21 @@ constexpr Conditions kInRange = 1U << 19U;         ///< the scalar has not overf
 constexpr Conditions kOnStation = 1U << 20U;       ///< in slot, closing up, or not under the law
 constexpr Conditions kOwnPrompt = 1U << 21U;       ///< own state's latency is tolerable for the law
 constexpr Conditions kLeadersEnd = 1U << 22U;      ///< the chain of leaders does not return to us
-constexpr Conditions kSlotSound = 1U << 23U;       ///< the slot is free, and does not go astern
-constexpr Conditions kOwnTimed = 1U << 24U;     ///< the own state's age is known, or there is none
-constexpr Conditions kLeaderTimed = 1U << 25U;  ///< the same of the leader's state
-constexpr Conditions kOwnGood = 1U << 26U;      ///< the own unit does not call its estimate poor
-constexpr Conditions kSoleVessel = 1U << 27U;   ///< no other vessel uses the boat's system id
-constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral, or were once in this MANUAL
-constexpr Conditions kLeaderNear = 1U << 29U;     ///< the followed vessel is within FORM_DIST_MAX
-constexpr Conditions kPlanReady = 1U << 30U;      ///< a plan is stored, and begins near the boat
-constexpr Conditions kHomeNear = 1U << 31U;       ///< the place to return to is known and near
-constexpr Conditions kLocated = Conditions{1} << 32U;   ///< the own place on the globe is known
+constexpr Conditions kSlotSound = 1U << 23U;       ///< the slot is free, without sailing astern
+constexpr Conditions kOwnTimed = 1U << 24U;        ///< age of own state is known, or no state
+constexpr Conditions kLeaderTimed = 1U << 25U;     ///< the same of the leader's state
+constexpr Conditions kOwnGood = 1U << 26U;         ///< the boat's unit reports no poor estimate
+constexpr Conditions kSoleVessel = 1U << 27U;      ///< no other vessel uses the boat's system id
+constexpr Conditions kSticksCentred = 1U << 28U;   ///< at neutral, or were once in this MANUAL
+constexpr Conditions kLeaderNear = 1U << 29U;      ///< the followed vessel is within FORM_DIST_MAX
+constexpr Conditions kPlanReady = 1U << 30U;       ///< a plan is stored, and begins near the boat
+constexpr Conditions kHomeNear = 1U << 31U;        ///< the place to return to is known and near
+constexpr Conditions kLocated = Conditions{1} << 32U;   ///< own global position is known
 constexpr Conditions kGainsFit = Conditions{1} << 33U;  ///< the law's gains fit hull and propellers
 constexpr unsigned kConditionCount = 34;
 
 constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
-/// Without these the boat may not obey commands and needs an inspection.
+/// If one of these is not met, the boat might not obey commands and needs an inspection.
 constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
 constexpr Conditions kLeader =
@@ -106,7 +106,7 @@ constexpr Conditions kLeader =
 /// A boat that leaves its slot counts as one that has lost its leader.
 constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
-/// For each of these an operator chooses what its loss leads to.
+/// The operator chooses the reaction to the loss of each of these.
 constexpr Conditions kLosses = kFollows | kGcsHeard | kLimits;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
@@ -196,8 +196,8 @@ constexpr std::array<Row, 47> kTable{{
     {in(State::kLoiter), Request::kNone, 0, kLimits, State::kHold,
      by(Reaction::kHold, Reaction::kReturn)},
     {in(State::kCoast), Request::kNone, kLosses, 0, State::kFormation},
-    // Requests. A boat that can neither sail its plan nor follow a leader is armed all the same;
-    // the second kArm row reports what FORMATION lacks.
+    // Requests. A boat that can neither sail its plan nor follow a leader is armed nevertheless;
+    // the second kArm row reports the unmet conditions of FORMATION.
     {in(State::kDisarmed), Request::kArm, kArming | kAutoBegins, 0, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, kFormationBegins, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
@@ -259,7 +259,7 @@ struct Response {
   Conditions lost = 0;
 };
 
-/// The most careful of the reactions to what is lost in this state.
+/// The most careful of the reactions to the conditions that are lost in this state.
 constexpr Response response_to(const Choices& choices, State state, Conditions met) {
   Response out;
   for (const Loss& loss : kLossTable) {
@@ -307,7 +307,7 @@ constexpr Verdict supervise(State state, Request request, Conditions met,
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
     const Conditions lost = row.on != 0 ? row.lacks & response.lost : row.lacks & ~met;
     if (unmet == 0 && lacking) return {row.to, true, lost};
-    missing = unmet;  // finally that of the last row, which needs least
+    missing = unmet;  // in the end those of the last row, which needs least
   }
   return {state, false, request == Request::kNone ? Conditions{0} : missing};
 }

@@ -74,9 +74,9 @@ template <class S = double>
 std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& message);
 
 /// A vessel that an AIS receiver reports: the report's age on arrival, and how far the hull reaches
-/// from the position, m (0: unknown). Without a course or a speed the vessel counts as still.
-/// Nothing if there is no fix. The vessel rests below 0.3 m/s, or
-/// below 3 kn at anchor, moored or aground.
+/// from the position, m (0: unknown). Without a course or a speed the vessel counts as stationary.
+/// Nothing if there is no fix. The vessel rests below 0.3 m/s, or below 3 kn at anchor, moored or
+/// aground.
 template <class S>
 struct AisReport {
   Sample<S> sample;  ///< heading: the course
@@ -107,7 +107,7 @@ Sample<S> in_plane(const Sample<S>& sample, const link::GpsGlobalOrigin& origin)
 /// Near enough for one local frame: within 100 km.
 bool reaches(const link::GpsGlobalOrigin& origin, const GlobalPoint& at);
 
-/// The global position of a point of the own local frame, whose origin must be known.
+/// The global position of a point of the boat's local frame, whose origin must be known.
 GlobalPoint global_of(const Position& position);
 
 /// Rejects latitudes over 89°, longitudes over 180°, and 0, 0, which units without a fix send.

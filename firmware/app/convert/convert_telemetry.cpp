@@ -13,7 +13,7 @@ namespace {
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
 struct Slot {
-  double north_m, east_m;   ///< from the own origin
+  double north_m, east_m;   ///< from the boat's origin
   core::Vec2<double> to_n;  ///< from the boat to the slot
 };
 

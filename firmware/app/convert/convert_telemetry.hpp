@@ -30,7 +30,7 @@ core::TooFast<double> in_double(const core::TooFast<S>& needs) {
   return {number(needs.u), number(needs.r)};
 }
 
-/// The own state for followers, at a whole millisecond of our clock.
+/// The boat's state for its followers, at a whole millisecond of our clock.
 struct OwnState {
   double north_m, east_m;
   double psi_rad;                  ///< in (−π, π]
@@ -58,7 +58,7 @@ link::Odometry odometry_of(const OwnState& state, std::uint32_t time_boot_ms);
 link::NavControllerOutput nav_controller_output_of(const OwnState& state,
                                                    const core::Error<double>& error);
 
-/// The slot's position from the own origin, and its heading.
+/// The slot's position from the boat's origin, and the slot's heading.
 link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<double>& error,
                                      std::uint32_t time_boot_ms);
 

@@ -23,27 +23,27 @@ class OwnMotion {
   /// unit: NAV_COMPID.
   OwnMotion(std::uint8_t system, std::uint8_t component, std::uint8_t unit);
 
-  /// Applies changed parameters and the own system id.
+  /// Applies changed parameters and the boat's system id.
   void configure(const convert::Law<S>& law, const Configuration::Navigation& navigation,
                  std::uint8_t own_system);
 
-  /// Takes any message. Own states are accepted only on NAV_LINK or, if that names none, on the
-  /// first link with a good state while disarmed, so that nobody can forge them on a radio.
-  /// After half a minute of silence, a disarmed boat accepts them on another link instead.
+  /// Takes any message. States of the boat itself are accepted only on NAV_LINK or, if that names
+  /// no link, on the first link with a good state while disarmed, so that nobody can forge them by
+  /// radio. After half a minute of silence, a disarmed boat accepts them on another link instead.
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
             link::Counters& counters);
 
-  /// Whether messages of this link may be the own unit's.
+  /// Whether messages of this link may come from the boat's own unit.
   bool may_be_own(std::size_t link, std::int64_t now_us) const;
-  /// The own unit is on another link than this one.
+  /// The boat's own unit is on a link other than this one.
   bool is_elsewhere(std::size_t link) const;
 
   /// The navigation unit's states.
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }
-  /// Own states were ignored because they may be another vessel's: they came on another link than
-  /// the first ones, or the first ones came while the boat was armed.
+  /// States with the boat's id were ignored, because they may be another vessel's: they came on
+  /// another link than the first ones, or the first ones came while the boat was armed.
   bool take_stranger() { return std::exchange(stranger_, false); }
   const UnitQuality& quality() const { return quality_; }
   /// The unit's last GPS_RAW_INT, unless it is two seconds old.
@@ -64,7 +64,8 @@ class OwnMotion {
   const core::Observer<S>& observer() const { return observer_; }
   convert::Position place() const;
 
-  /// The conditions that depend on the own state alone; states older than limit_us are not fresh.
+  /// The conditions that depend on the boat's state alone; a state older than limit_us is not
+  /// fresh.
   core::Conditions conditions(std::int64_t limit_us, std::int64_t now_us) const;
 
  private:

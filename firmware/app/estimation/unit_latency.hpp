@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Latency of the own navigation unit, if no TIMESYNC bounds its clock.
+// Latency of the boat's own navigation unit, if no TIMESYNC bounds its clock.
 #pragma once
 
 #include <cstdint>

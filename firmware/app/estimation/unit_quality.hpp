@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The quality that the own navigation unit reports of its estimate.
+// The quality of the navigation unit's estimate, as the unit itself reports it.
 #pragma once
 
 #include <array>

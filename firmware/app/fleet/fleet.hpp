@@ -25,7 +25,7 @@ struct FleetPlace {
   std::uint16_t item = 0;
 };
 
-/// This boat in a tick.
+/// The state of this boat in a tick.
 struct FleetReport {
   std::uint8_t system = 0;
   core::State state = core::State::kDisarmed;
@@ -34,16 +34,16 @@ struct FleetReport {
   bool stopped = false;  ///< disarmed, or in HOLD by order: the plan that it led ends
 };
 
-/// Inactive without a table; requests one when a beacon mentions one.
+/// Inactive without a table; requests a table when a beacon names one.
 class Fleet {
  public:
   /// Rights of a sender: may command; may, as a member, supply the first table.
   enum class Trust : std::uint8_t { kNone, kMember, kCommands };
 
-  /// Any message.
+  /// Takes any message.
   void hear(const link::Received& received, Trust trust, std::int64_t now_us);
 
-  /// A request to assign places is due; give_places() needs the root's predicted motion.
+  /// Whether a request to assign places is due: give_places() needs the root's predicted motion.
   bool asks_outlook(std::int64_t now_us) const { return request_ && now_us >= request_->due_us; }
   void give_places(const FleetOutlook& outlook, std::int64_t now_us);
 
@@ -55,7 +55,7 @@ class Fleet {
   /// Confirms kStop, which is repeated until this call.
   void stopped();
 
-  /// applied() has changed since the last call.
+  /// Whether applied() has changed since the last call.
   [[nodiscard]] bool take_change() { return std::exchange(changed_, false); }
 
   bool is_member() const { return ledger_.current() && ledger_.current()->rank_of(system_); }
@@ -72,7 +72,7 @@ class Fleet {
   /// The slot's motion while the shape changes.
   const SlotMotion& slot_motion() const { return slot_motion_; }
 
-  /// The shape changes: places move, or boats still settle in them.
+  /// Whether the shape changes: places move, or boats still settle in them.
   bool moves(std::int64_t now_us) const { return paths_.moves(now_us); }
 
   /// Plan and item that the last leader reported; no plan if it sailed none, had paused its plan,

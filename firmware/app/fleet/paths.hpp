@@ -23,8 +23,8 @@ class FleetPaths {
     std::array<double, 2> cm{}, cmps{}, cmps2{};
   };
 
-  /// A table comes into force in place of `before`. The move counts from the table's own time,
-  /// begun_us, so a boat that gets the table late joins in at once.
+  /// Call when a table comes into force in place of `before`. The move counts from the table's own
+  /// time, begun_us, so a boat that gets the table late joins the move at once.
   void begin(const FleetTable& table, const FleetTable& before, std::int64_t begun_us);
 
   Place place(std::size_t rank, std::int64_t now_us) const;

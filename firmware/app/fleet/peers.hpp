@@ -21,13 +21,13 @@ class FleetPeers {
   static constexpr unsigned kHears = 2;
   static constexpr std::size_t heard_of(std::uint8_t flags) { return (flags & ~kEnds) >> kHears; }
 
-  /// A table comes into force in place of `before`. Members' last beacons stay valid.
+  /// Call when a table comes into force in place of `before`. Members' last beacons stay valid.
   void begin(const FleetTable& table, const FleetTable& before, std::int64_t now_us);
 
-  /// Any message of a member. False: it is a beacon, and a newer one arrived first.
+  /// Takes any message of a member. False if it is a beacon and a newer one arrived before it.
   bool hear(std::size_t rank, const link::Received& received, bool only_leads, std::int64_t now_us);
 
-  /// A member's beacon, after hear().
+  /// Takes a member's beacon; call after hear().
   void take(std::size_t rank, const link::FleetBeacon& beacon, const FleetLedger& ledger,
             std::int64_t now_us);
 

@@ -67,7 +67,7 @@ class Succession {
  public:
   static constexpr std::size_t kNobody = FleetTable::kMax;
 
-  /// A table comes into force.
+  /// Call when a table comes into force.
   void begin(const FleetTable& table);
 
   /// One step per tick. `peers`: by rank, this boat's own is not read.

@@ -31,7 +31,7 @@ class Pilot {
  public:
   Pilot(const Configuration& configuration, const convert::Law<S>& law);
 
-  /// Applies changed parameters and the own system id.
+  /// Applies changed parameters and the boat's system id.
   void configure(const Configuration& configuration, const convert::Law<S>& law,
                  std::uint8_t own_system);
 
@@ -39,13 +39,13 @@ class Pilot {
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
             link::Counters& counters, const Sender& sender);
 
-  /// The own unit is on another link than this one.
+  /// The boat's own unit is on a link other than this one.
   bool own_is_elsewhere(std::size_t link) const { return own_.is_elsewhere(link); }
 
   /// Makes the TIMESYNC requests to send; take() gets the answers.
   TimeRequests& time_requests() { return time_; }
 
-  /// The conditions of the own motion: fresh, plausible, in time.
+  /// The conditions of the boat's own motion: fresh, plausible, in time.
   core::Conditions conditions(std::int64_t now_us) const {
     return own_.conditions(limits_.own_limit_us, now_us);
   }
@@ -53,7 +53,7 @@ class Pilot {
   /// Conditions that depend on other vessels: leader, tree, clearance.
   core::Conditions heard(std::int64_t now_us) const;
 
-  /// Call in every tick: advances the own motion by `since` s under the wrench `given`.
+  /// Call in every tick: advances the boat's motion by `since` s under the wrench `given`.
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
 
   /// Call on entering FORMATION, except from COAST: resets the law to the leader's present state.
@@ -120,7 +120,7 @@ class Pilot {
   /// The reports of the tree's other boats.
   FleetReports& reports() { return reports_; }
 
-  /// Other claims to the own slot.
+  /// Other vessels' claims to the boat's slot.
   const SlotClaims& claims() const { return claims_; }
 
   /// The boat's error from its slot, without a step of the law.
@@ -130,7 +130,7 @@ class Pilot {
   Estimates estimates() const;
   const core::Vec2<S>& current_n() const { return own_.observer().c_n; }
 
-  /// The own state at the current whole millisecond.
+  /// The boat's state at the current whole millisecond.
   convert::OwnState own_state(std::int64_t now_us) const;
   bool located() const { return own_.track().has_origin(); }
   const link::GpsGlobalOrigin& origin() const { return own_.anchor().origin; }
@@ -175,7 +175,7 @@ class Pilot {
     return leader_.uncertainty_m(now_us);
   }
 
-  /// A system id that two vessels use: the own one, or the leader's.
+  /// A system id that two vessels use: the boat's own, or the leader's.
   std::optional<std::uint8_t> doubled(std::int64_t now_us) const {
     if (own_.track().doubled(now_us)) return own_.track().system();
     return leader_.doubled(now_us) ? std::optional(leader_.system()) : std::nullopt;

@@ -253,7 +253,7 @@ void Reference<S>::hold(const auto&... held) {
   ++news_;
 }
 
-/// The reference of the current branch: the leader's, else the own one.
+/// The reference of the current branch: the leader's, else our own.
 template <class S>
 const typename Reference<S>::Held* Reference<S>::held(std::int64_t now_us,
                                                       std::int64_t oldest_us) const {

@@ -20,7 +20,7 @@ namespace flotilla::app {
 template <class S>
 class Reference {
  public:
-  /// Applies changed parameters and the own system id.
+  /// Applies changed parameters and the boat's system id.
   void configure(const Configuration::Formation& formation, const core::ForesightLimits<S>& limits,
                  std::uint8_t own_system);
 
@@ -39,7 +39,8 @@ class Reference {
     clocks_.answered(from, sent_us, read_us, now_us);
   }
 
-  /// Sets whether the boat leads: a boat that leads is the root, whatever FORM_LEADER and its slot.
+  /// Sets whether the boat leads. A boat that leads is the root, whatever its FORM_LEADER and slot
+  /// are.
   void lead(bool on);
 
   /// Takes the motion of the vessel that a leading boat follows in AUTO, as the reference.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Detects other claims to the own slot: by the leader, if that is a vessel, or by another boat of
-// the same formation.
+// Detects other claims to the boat's slot: by the leader, if that is a vessel, or by another boat
+// of the same formation.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@ namespace flotilla::app {
 
 /// A vessel is a system with a component whose heartbeat announces a vehicle's autopilot; that
 /// component's GLOBAL_POSITION_INT and FOLLOW_TARGET count, and, if its origin is known, its
-/// LOCAL_POSITION_NED and ODOMETRY, even if they tell only its place. Virtual leaders, ground
+/// LOCAL_POSITION_NED and ODOMETRY, even if they report only its position. Virtual leaders, ground
 /// stations, companions and gimbals do not count. When full, keeps the vessels that come nearest;
 /// forgets silent ones.
 ///
@@ -74,8 +74,8 @@ class Neighbours {
 
  private:
   static constexpr std::int64_t kForgotten_us = 3'000'000;
-  /// Vessels in memory; traffic() contains the nearest of them. A resting ship that is forgotten
-  /// reports again after three minutes only.
+  /// Vessels in memory; traffic() contains the nearest of them. If a resting ship is dropped, its
+  /// next report may come only three minutes later.
   static constexpr std::size_t kKept =
       FLOTILLA_LOOKS_AHEAD != 0 ? 4 * core::kMaxVessels : core::kMaxVessels;
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
@@ -102,7 +102,7 @@ class Neighbours {
     std::uint8_t system = 0;  ///< 0: free
   };
 
-  /// Whether a message can be of use; false for the states of the own unit and of a virtual leader.
+  /// Whether a message can be useful; false for states of our own unit and of a virtual leader.
   bool may_tell(const link::Received& received) const {
     const auto [system, component] = received.from;
     if (!link::tells_motion(received.message)) return true;

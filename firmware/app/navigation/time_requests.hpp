@@ -21,8 +21,8 @@ class TimeRequests {
     return {0, ts1};
   }
 
-  /// Time at which we sent the request that this answers, µs; nothing if it is not among the last
-  /// 32, because so late an answer is useless.
+  /// Time at which we sent the request that this answers, µs; nothing if that request is not among
+  /// the last 32, because an answer this late is useless.
   std::optional<std::int64_t> sent_us(const link::Timesync& answer) const {
     for (const std::int64_t ts1 : asked_) {
       if (ts1 != 0 && ts1 == answer.ts1) return ts1 / 1000;

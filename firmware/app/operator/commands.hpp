@@ -27,8 +27,8 @@ using RequestMessage =
                  link::LogRequestList, link::LogRequestData, link::LogRequestEnd,
                  link::SetPositionTargetLocalNed, link::SetPositionTargetGlobalInt>;
 
-/// One form of COMMAND_LONG, COMMAND_INT, SET_MODE, MISSION_SET_CURRENT, and of a MISSION_ITEM_INT
-/// that is "go here".
+/// A common form of COMMAND_LONG, COMMAND_INT, SET_MODE, MISSION_SET_CURRENT, and of a
+/// MISSION_ITEM_INT that is "go here".
 struct Command {
   std::uint16_t id;
   std::array<double, 7> param;  ///< as received; unused ones may be NaN
@@ -79,7 +79,7 @@ struct DecodedCommand {
   std::optional<bool> fence{};        ///< on or off
   std::string_view why{};             ///< of a refusal, for the operator
 
-  /// Whether the command only reads: then any sender may give it.
+  /// Whether the command only reads: every sender may send such a command.
   bool reads_only() const { return message.has_value(); }
 };
 DecodedCommand meaning_of(const Command& command);

@@ -22,8 +22,8 @@ class TimesyncSender {
       : time_(time), links_(links), router_(router), due_(kSecond_us, tick_us / 2) {}
 
   /// Call in every tick. All vessels in range answer each request, which makes up most of a slow
-  /// radio's load; so the others are asked as often as slow telemetry is sent. The own unit is asked
-  /// every second, because it counts as late if it does not answer.
+  /// radio's load; so the others are asked as often as slow telemetry is sent. Our own unit is
+  /// asked every second, because it counts as late if it does not answer.
   void ask(std::int64_t now_us, std::uint8_t self, const Streams& streams,
            link::Counters& counters);
 

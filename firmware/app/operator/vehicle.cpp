@@ -171,8 +171,8 @@ void Vehicle::take_sticks(std::size_t link, const link::Received& received,
   }
 }
 
-/// Accepts RC from a receiver of the own system, or from an operator who may command. False if the
-/// message is to be treated as any other.
+/// Accepts RC from a receiver of the boat's own system, or from an operator who may command. False
+/// if the message is to be treated as any other.
 bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int64_t now_us) {
   const auto channel = configuration_.operators.rc_switch;
   RcInput* input = &transmitter_;

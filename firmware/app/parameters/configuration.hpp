@@ -38,7 +38,7 @@ struct Configuration {
     bool returns_alone = false;  ///< RTL_ALONE
   };
 
-  /// Limits of the quality that the own navigation unit reports; 0: no limit.
+  /// Limits of the quality that the boat's navigation unit reports; 0: no limit.
   struct Quality {
     std::uint8_t fix = 0;  ///< least GPS_FIX_TYPE
     float hdop = 0, accuracy_m = 0, ratio = 0;

@@ -47,22 +47,22 @@ class Fence {
   /// where the boat may not be. Call only while a fence is stored.
   Length clearance(const Place& place) const;
   Length clearance(const Place& a, const Place& b) const;
-  /// How far a way between two places keeps from every boundary: margin_m, or as far as one of them
-  /// if that is nearer.
+  /// Distance that a path between two places must keep from every boundary: margin_m, or the
+  /// clearance of one of the places if that is less.
   Length kept(const Place& a, const Place& b, float margin_m) const;
-  /// Whether the boat may return straight from `here` to `target`, on a way that keeps so far.
-  /// Outside the fence, any way may lead back.
+  /// Whether the boat may return straight from `here` to `target`: whether that path keeps this
+  /// distance. Outside the fence, the boat may take any path back.
   bool is_straight(const convert::Position& here, const convert::GlobalPoint& target,
                    float margin_m) const;
   /// Whether the fence permits places beyond the map.
   bool permits_far() const;
 
-  /// Places where a way round the zones may bend, numbered, kBends for each item.
+  /// Places where a path round the zones may bend, numbered, kBends for each item.
   static constexpr std::size_t kBends = 8;
   std::size_t bends() const { return kBends * items_.size(); }
   /// A bend that keeps `off` from a polygon's corner and its two edges, on the outside of their
   /// wedge; or, for a circle that keeps the boat out, a corner of the octagon round it. The fence
-  /// may forbid the place. Nothing where no way bends.
+  /// may forbid the place. Nothing where no path bends.
   std::optional<Place> bend(std::size_t number, Length off) const;
   convert::GlobalPoint on_globe(const Place& place) const;
 

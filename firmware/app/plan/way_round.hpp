@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Finds the shortest way to a place that respects the fence, over bends beside the fence's corners.
+// Finds the shortest path to a place that respects the fence, with bends near the fence's corners.
 // Searches a few legs per tick, from the place back to the boat.
 //
 //   g(goal) = 0      g(a) = min over b seen from a of g(b) + |a − b|
@@ -22,8 +22,8 @@ class WayRound {
  public:
   static constexpr std::size_t kMax = 12;  ///< permitted bends; with more, no way is found
 
-  /// Begins a search. The way keeps margin_m from every boundary, or the distance of its two ends
-  /// if that is less.
+  /// Begins a search. The path keeps margin_m from every boundary, or the clearance of one of its
+  /// ends if that is less.
   void begin(const Fence& fence, const convert::Position& here, const Target& goal, float margin_m);
   void stop() { phase_ = Phase::kOver; }
 
@@ -31,7 +31,7 @@ class WayRound {
   void forward(const Fence& fence);
   bool is_searching() const { return phase_ == Phase::kCollect || phase_ == Phase::kSearch; }
   bool found() const { return phase_ == Phase::kFound; }
-  /// There is no way, or the search has failed.
+  /// There is no path, or the search has failed.
   bool is_lost() const { return phase_ == Phase::kLost; }
   /// The fence has changed since the search began.
   bool is_outdated(const Fence& fence) const {
@@ -39,7 +39,7 @@ class WayRound {
   }
   const Target& goal() const { return goal_; }
 
-  /// Whether the straight way to the goal keeps within the fence, however near to it.
+  /// Whether the straight path to the goal stays inside the fence, however near to a boundary.
   bool straight_is_free(const Fence& fence) const;
 
   /// If found: the errand that leads there.

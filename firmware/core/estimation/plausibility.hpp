@@ -95,7 +95,7 @@ Innovation<S> innovation_of(const PlausibilityLimits<S>& limits, const Leg<S>& l
   return {off, max(max(place, heading), max(velocity, yaw_rate))};
 }
 
-/// Upper limits of changes that are plausible whatever was expected.
+/// Upper limits of changes that are plausible in every case.
 template <class S>
 struct SmallMove {
   S place{};

@@ -112,11 +112,11 @@ class MissionService {
     return item > homes_of(plan()) ? kErrandReach_m : kPlanStart_m;
   }
   /// Why the boat cannot go straight to an item's place, or the first place after it: the place is
-  /// too far away, or the way leaves the fence. Empty if it can. anew: no jump counts as taken.
+  /// too far away, or the path leaves the fence. Empty if it can. anew: no jump counts as taken.
   std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
                                   const PlanDefaults& defaults, bool anew = false) const;
-  /// Before AUTO: judges the way from the boat to where the plan begins. Call forget_way() when
-  /// that judgement is out of date, because the boat has moved.
+  /// Before AUTO: judges the path from the boat to the place where the plan begins. Call
+  /// forget_way() when that judgement is out of date, because the boat has moved.
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
   void forget_way() { way_why_ = {}; }
   /// Whether the plan and the way to it can be sailed. In AUTO, a plan is sound until a fault is

@@ -20,7 +20,7 @@ enum class Repeated : std::uint8_t {
   kRefused,
   kParameterRefused,
   kStopPressed,
-  kDoubled,  ///< the own ids are used twice
+  kDoubled,  ///< another sender uses the boat's ids
   kIgnored,
   kSigning,
 };

@@ -215,7 +215,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   return std::nullopt;
 }
 
-/// Messages that need the own state.
+/// Messages that need the boat's state.
 std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own, const Report& r) {
   switch (id) {
     case link::Attitude::kId:

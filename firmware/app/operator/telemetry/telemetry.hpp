@@ -13,7 +13,7 @@
 
 namespace flotilla::app {
 
-/// The own state at a whole millisecond of our clock.
+/// The boat's state at a whole millisecond of our clock.
 struct OwnReport {
   std::uint32_t time_boot_ms = 0;
   convert::OwnState state{};
@@ -63,7 +63,7 @@ struct Report {
   std::optional<FenceReport> fence;                   ///< if one is stored
   std::optional<double> depth;         ///< in the tree of leaders; unless FS_SEP_M is 0
   std::optional<double> separation_m;  ///< predicted, of the nearest vessel, while the law drives
-  std::optional<Estimates> estimates;  ///< while the own state is fresh
+  std::optional<Estimates> estimates;  ///< while the boat's state is fresh
   std::optional<float> balance, drag, yaw_damping;  ///< as learnt, while they look wrong
   core::Thrust<double> thrust{};                    ///< N, of the commands as sent
   double most_N = 0, least_N = 0;             ///< of one propeller, N; least: astern, negative
