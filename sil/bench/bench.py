@@ -162,7 +162,7 @@ def measure_live(bus: str, seconds: float, folder: Path, progress: Progress) -> 
 
 
 def measure_flooded(bus: str, seconds: float, folder: Path, progress: Progress) -> dict[str, Any]:
-    """Sail `diamond` while strangers disturb boat 2's links; the statistics of boats 2 and 3."""
+    """Sail `diamond` while strangers disturb boat 2; return the statistics of boats 2 and 3."""
     chosen = scenario.load("diamond", [f"duration_s={seconds}"])
     program = build_flotillad(print)
     task = progress.add_task(f"sailing {seconds:g} s on {bus}", total=1.0)

@@ -117,7 +117,7 @@ def _batch(one: Scenario, *, profile: bool) -> Batch:
 
 
 def _steps(batch: Batch) -> Iterator[tuple[float, float]]:
-    """Sail to the end; for each tick the seconds for fleet and wires, and for the plant."""
+    """Sail to the end; return each tick's seconds for fleet and wires, and for the plant."""
     ready_us = start(batch)[0]
     if not isinstance(ready_us, int):
         raise ready_us

@@ -214,7 +214,7 @@ def visible(values: Complex, vectors: Complex, partial: Array) -> npt.NDArray[np
 
 
 def _sail(loop: Loop, ticks: int, wanted: Container[int] = ()) -> tuple[Array, list[Array]]:
-    """Continue a loop; mean |deviation| (3) of its first copy, its states at the ticks `wanted`."""
+    """Continue a loop; return mean |deviation| (3) of its first copy, and states at `wanted`."""
     boat, count = loop.boat, range(loop.tick, loop.tick + ticks)
     times_s: Array = boat.h_s * np.array(count, dtype=np.float64)
     slot, rows = boat.slot.eta(times_s), leader_rows(boat.leader, times_s)

@@ -184,7 +184,7 @@ def _constant(nu: Array) -> tuple[Kind, float]:
 
 
 def _closing(turned: float) -> int:
-    """Number of periods after which a heading that turns `turned` in each is nearest its start."""
+    """Number of periods, each a turn by `turned`, after which the heading is nearest its start."""
     periods = np.arange(1, _PERIODS + 1)
     gap = np.abs(np.angle(np.exp(1j * turned * periods)))
     return int(periods[np.argmax(gap < gap.min() + 1e-6)])

@@ -28,8 +28,8 @@ class Search:
     """The result of a search: `gains` by parameter name, after `evaluations` points.
 
     `decay_of_law`: 1/s, the maximized quantity. `decay`: the same with the estimates on. `*_now`:
-    the same with the present gains. `noise`: by `noise.SOURCES`, thrust due to noise of the own
-    fixes as a multiple of its present value, for the boat with the largest. `complete`: the search
+    the same with the present gains. `noise`: by `noise.SOURCES`, thrust due to noise of the boat's
+    fixes, as a multiple of its present value, for the boat with the largest. `complete`: the search
     ended before `SEARCH_CYCLES` did. `ranges`: the ranges searched. `at_end`: the gains that lie at
     an end of their range.
     """

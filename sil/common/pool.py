@@ -58,7 +58,7 @@ def _until_broken(
     workers: int,
     note: Callable[[Task, Result], None],
 ) -> list[Task]:
-    """Run tasks from `waiting` until none is left or a process dies; the tasks then in flight."""
+    """Run tasks from `waiting` until all are done or a process dies; return those in flight."""
     context = multiprocessing.get_context("forkserver")
     others = multiprocessing.active_children()
     futures: dict[Future[Result], Task] = {}

@@ -96,7 +96,7 @@ def merged(a: Mapping[str, Most], b: Mapping[str, Most]) -> dict[str, Most]:
 
 
 def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
-    """Sail every scenario, at most `seconds` each; the maxima of each run."""
+    """Sail every scenario, at most `seconds` each; return the maxima of each run."""
     from sil.lockstep.start import RunError  # noqa: PLC0415 these import flotilla
     from sil.lockstep.world import sail  # noqa: PLC0415
 

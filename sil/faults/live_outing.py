@@ -161,7 +161,7 @@ class LiveOuting(LiveWorld):
         return not any(self.boat.command(now_us()))
 
     def help(self, well: Callable[[], bool], seconds: float) -> float | None:
-        """As operator, disarm, arm and set FORMATION until `well`; the time, s, None if in vain."""
+        """As operator, disarm, arm and set FORMATION until `well`; return the time, s, or None."""
         asked_us = 0
 
         def there() -> bool:

@@ -88,7 +88,7 @@ def go_to(latitude: int, longitude: int) -> Order:
 
 
 class _Sent(NamedTuple):
-    """A command, its first sending time, and the states, one of which must follow; none: any."""
+    """A command, when it was first sent, and the states of which one must follow; none: any."""
 
     command: int
     since_s: float

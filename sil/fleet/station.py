@@ -44,7 +44,7 @@ class Ack(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """The state in a HEARTBEAT; of a vessel that is not known as a boat, as if it were one."""
+    """The state in a HEARTBEAT; a vessel that is not known as a boat is read like one."""
 
     at_s: float
     state: str | None

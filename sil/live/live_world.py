@@ -166,7 +166,7 @@ class LiveWorld:
         self._opened.close()
 
     def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
-        """Start the boats' processes and sail the scenario; the motion since the release."""
+        """Start the boats' processes, sail the scenario, return the motion since the release."""
         for i, boat in enumerate(self.boats):
             folder = out / f"boat{boat.system}"
             boat.more_links += [*self._gcs, *(door.address for door in self._tcp[i : i + 1])]
@@ -191,7 +191,7 @@ class LiveWorld:
         return tracer
 
     def _start(self) -> int:
-        """Arm the boats and set their modes while the hulls are held; the tick (us) of success."""
+        """Arm the boats and set their modes while the hulls are held; return the last tick (us)."""
         operator, boats = self._operator, self.boats
         begin_us = tick_us = now_us()
         ask_us = begin_us + _WARM_UP_US

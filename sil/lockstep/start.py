@@ -37,7 +37,7 @@ class StartError(RunError):
 
 
 def start(batch: Batch) -> list[int | StartError]:
-    """Arm all boats and set their modes; each run's time of success, us, or its error.
+    """Arm all boats, set their modes; return each run's time of success, us, or its error.
 
     Every run receives its commands independently of the others, until all are ready.
     """

@@ -193,6 +193,6 @@ class _Order:
         ]
 
     def _finish(self, batch: Batch) -> list[str]:
-        """Finish the recordings; their digests."""
+        """Finish the recordings and return their digests."""
         batch.take()
         return [recorder.finish() for recorder in batch.recorders]

@@ -22,7 +22,7 @@ class PublishedBound:
     """A bound of a scenario and the two laws' figures.
 
     A figure is infinite if never reached, None if a run failed, NaN if the bound needs none.
-    `seeds`: number of runs of which a law's figure is the 95th percentile.
+    `seeds`: number of runs; a law's figure is the 95th percentile over them.
     """
 
     scenario: str

@@ -50,7 +50,7 @@ class Outcome:
 
 
 def sail_all(jobs: Sequence[Job], workers: int, tell: Callable[[Outcome], None]) -> list[Outcome]:
-    """Sail all jobs in `workers` processes; outcomes in the order of the jobs.
+    """Sail all jobs in `workers` processes; return outcomes in the order of the jobs.
 
     `tell` is called with each outcome. A run that fails or kills its process has an outcome with
     the failure. An interrupt ends all processes.

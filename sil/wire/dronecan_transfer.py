@@ -150,7 +150,7 @@ class Receiver:
         self._sessions: dict[int, _Session] = {}
 
     def on_frame(self, can_id: int, data: bytes, now_us: int) -> bytes | None:
-        """Process a frame (receiver's clock, us); the payload when it completes a transfer."""
+        """Process a frame (receiver's clock, us); return the payload if it completes a transfer."""
         subject = can_id & 0xFFFF80
         if not can_id & 0x7F:
             subject &= 0x380

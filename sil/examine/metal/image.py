@@ -22,7 +22,7 @@ def _said(command: list[str], stream: bytes, timeout_s: float) -> dict[str, str]
 
 
 def play(stream: bytes, image: Path = IMAGE, timeout_s: float = 600.0) -> dict[str, str]:
-    """Run the image on a Cortex-M4 that counts instructions; the printed values by name.
+    """Run the image on a Cortex-M4 that counts instructions; return its output by name.
 
     RuntimeError if it fails.
     """
