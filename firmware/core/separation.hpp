@@ -45,8 +45,9 @@
 //
 // A course is closed if the boat cannot stop on it within its fence (app/plan/fence_watch.hpp).
 //
-// From a stranger the boat keeps (k_e − k_y) D_min more, and it turns to port only if no other open
-// course is clear or after 10 s without progress (COLREGs, rules 14, 15 and 17).
+// From a stranger the boat keeps (k_e − k_y) D_min more. It turns to port, or crosses ahead of one
+// that comes from starboard or bow to bow, only if no other open course is clear or after k_p T
+// without progress (COLREGs, rules 14, 15 and 17).
 //
 // The limit of u* applies to every boat, also with right of way. It aims at k_h D_min, but supposes
 // that the boat follows u* within t_r; heavy boats and slow propellers come nearer (MAVLINK.md has
@@ -112,9 +113,9 @@ struct SeparationParams {
   S faster = S(1.1);   ///< k_U: ratio of U to the slot's speed; chosen: catches up with it
 
   // Progress towards the slot.
-  S narrow = S(6);       ///< T_n, s; chosen
-  S astern_s = S(2);     ///< τ from which a boat turns about, s; chosen, see tests.loop.shapes
-  S stranger_s = S(10);  ///< τ from which a stranger is passed on either side, s; chosen
+  S narrow = S(6);      ///< T_n, s; chosen
+  S astern_s = S(2);    ///< τ from which a boat turns about, s; chosen, see tests.loop.shapes
+  S patience = S(2.5);  ///< k_p: τ from which rules are broken, ratio to T; chosen
 
   // Limit of u*.
   S receding = S(0.8);  ///< k_v: assumed share of its receding speed; chosen
@@ -160,6 +161,12 @@ struct SeparationInput {
 template <class S>
 S dot(const Vec2<S>& a, const Vec2<S>& b) {
   return a.x * b.x + a.y * b.y;
+}
+
+/// Positive if b points to starboard of a.
+template <class S>
+S cross(const Vec2<S>& a, const Vec2<S>& b) {
+  return a.x * b.y - a.y * b.x;
 }
 
 template <class S>
@@ -319,7 +326,7 @@ S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
 template <class S>
 struct Choice {
   Vec2<S> w_n{};
-  int rank = -1;  ///< 4: clear; 3: clear, but to port; 2, 1: as 4, 3, but closed; 0: not clear
+  int rank = -1;  ///< 4: clear; 3: clear, but against rules; 2, 1: same, but closed; 0: not clear
   S cost{};
 };
 
@@ -344,21 +351,44 @@ bool is_closed(std::uint16_t closed, const Vec2<S>& w) {
   return (closed >> course & 1U) != 0;
 }
 
+/// Whether w leads from a vessel's port side across its course, ahead of it.
+template <class S>
+bool crosses_ahead(const OtherVessel<S>& other, const Vec2<S>& w) {
+  const Vec2<S>&p = other.p_n, &v = other.v_n;
+  const S slow = S(0.1);  // m/s; its course is uncertain
+  return slow < length(v) && S(0) < cross(v, p) && S(0) < cross(v, w) &&
+         cross(p, minus(w, v)) < S(0);
+}
+
+/// Whether w leads to port of the boat's way, or ahead of a stranger that passes from starboard or
+/// bow to bow (COLREGs, rules 14, 15 and 17). The way: straight to the slot, or the slot's if that
+/// leads back.
+template <class S>
+bool breaks_rules(const Traffic<S>& traffic, const Intent<S>& intent, const Vec2<S>& w) {
+  const Vec2<S>& straight = intent.straight_n;
+  const Vec2<S>& way = dot(straight, intent.slot_n) < S(0) ? intent.slot_n : straight;
+  const S rounding = S(-0.02);  // (m/s)²; so that a course straight ahead is not "to port"
+  bool breaks = cross(way, w) < rounding;
+  for (std::size_t i = 0; i < traffic.count; ++i) {
+    const OtherVessel<S>& other = traffic.vessels[i];
+    breaks = breaks || (other.stranger && crosses_ahead(other, w));
+  }
+  return breaks;
+}
+
 template <class S>
 Choice<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
                  const SeparationInput<S>& in, bool stranger) {
   const Intent<S>& intent = in.intent;
   const Vec2<S> w_e = aim(params, state, intent);
-  const bool by_rule = stranger && state.stuck_s < params.stranger_s;
-  const S rounding = S(-0.02);  // (m/s)²; so that a course straight ahead is not "to port"
+  const bool by_rule = stranger && state.stuck_s < params.patience * params.horizon;
   Choice<S> best{};
   const std::uint16_t closed_courses = in.traffic.closed;
   const auto consider = [&](const Vec2<S>& w, S bonus) {
     const bool closed = is_closed(closed_courses, w);
     const S h = clearance(params, state, in, w) + bonus * params.least;
-    const Vec2<S>& ahead = intent.straight_n;
-    const bool to_port = by_rule && ahead.x * w.y - ahead.y * w.x < rounding;
-    const int rank = h < S(0) ? 0 : (closed ? 2 : 4) - (to_port ? 1 : 0);
+    const bool against = by_rule && breaks_rules(in.traffic, intent, w);
+    const int rank = h < S(0) ? 0 : (closed ? 2 : 4) - (against ? 1 : 0);
     const S cost = rank == 0 ? (closed ? params.least : S(0)) - h
                              : length(minus(w, w_e)) - bonus * intent.fastest;
     if (best.rank < rank || (best.rank == rank && cost < best.cost)) best = {w, rank, cost};

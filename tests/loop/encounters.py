@@ -10,8 +10,8 @@ side strangers were passed, and who did not arrive. Lengths and times grow with 
 as LAW_R_MAX falls with it; speeds are the same for all.
 
 The side is judged where the rules of the road have one. Crossing, from starboard: the boat does not
-cross ahead of the stranger. Bow to bow: they pass port to port. From port: the boat does not go to
-port of its way. Who overtakes, or is overtaken, may pass on either side.
+cross ahead of the stranger. Bow to bow: they pass port to port. From port: until they are nearest,
+the boat does not go to port of its way. Who overtakes, or is overtaken, may pass on either side.
 """
 
 import argparse
@@ -190,12 +190,13 @@ def judged(one: Encounter, run: Run) -> Passing:
     along = apart @ [math.cos(course), math.sin(course)]
     side = apart @ [-math.sin(course), math.cos(course)]  # to starboard of the stranger's course
     crossed = (side[1:] < 0.0) != (side[:-1] < 0.0)
-    near = distance < 12.0 * scale(one.hull)
+    near, nearest = distance < 12.0 * scale(one.hull), int(distance.argmin())
+    east = boat[: nearest + 1, 1][near[: nearest + 1]]  # on the way to the nearest place
     right = {
         "either": None,
-        "ahead": bool(side[distance.argmin()] < 0.0),
+        "ahead": bool(side[nearest] < 0.0),
         "starboard": not np.any(crossed & (along[1:] > 0.0) & near[1:]),
-        "port": bool(boat[near, 1].min(initial=0.0) > -0.5 * scale(one.hull)),
+        "port": bool(east.min(initial=0.0) > -0.5 * scale(one.hull)),
     }[one.kind]
     end = float(metrics.distances(run.trace["error"])[-1].max())
     arrived = end < ARRIVED_M * scale(one.hull)

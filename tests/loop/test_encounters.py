@@ -10,10 +10,10 @@ import pytest
 from sil.scenario import presets
 from tests.loop.encounters import ARRIVED_M, AT_REST_M, CROWDS, Crowd, crowds, encounters
 
-#: Of 200 encounters each, as measured: those that turn slowly, or slip, do less well.
-SIDE = {"blueboat": 0.95, "heron": 0.9, "otter": 0.93, "paper": 0.95, "wamv": 0.88}
-GUARDS = {"blueboat": 1.2, "heron": 0.95, "otter": 1.2, "paper": 1.2, "wamv": 0.65}
-AWAY = {"blueboat": 0.0, "heron": 0.01, "otter": 0.015, "paper": 0.0, "wamv": 0.04}
+#: Of 200 encounters each, as measured: hulls that turn slowly, or slip, do less well.
+SIDE = 0.98
+GUARDS = {"blueboat": 1.4, "heron": 1.2, "otter": 1.4, "paper": 1.3, "wamv": 1.0}
+AWAY = 0.01
 
 
 def shares(first: int, last: int, each_push: Collection[str]) -> list[object]:
@@ -35,8 +35,8 @@ def test_strangers_are_given_room_on_the_side_of_the_rules_and_the_boat_comes_ba
 ) -> None:
     passed = encounters(hull, runs)
     assert min(each.least for each in passed) > GUARDS[hull]
-    assert np.mean([not each.arrived for each in passed]) <= AWAY[hull]
-    assert np.mean([each.right for each in passed if each.right is not None]) >= SIDE[hull]
+    assert np.mean([not each.arrived for each in passed]) <= AWAY
+    assert np.mean([each.right for each in passed if each.right is not None]) >= SIDE
 
 
 @pytest.mark.parametrize(("hull", "runs"), shares(2, 2, ["blueboat"]))
