@@ -446,6 +446,23 @@ def test_the_fence_is_switched_on_and_off(params: tuple[float, ...], result: int
     assert status(sea) == (True, on, not on)
 
 
+def test_a_late_copy_does_not_switch_the_fence_off_again() -> None:
+    sea = at_sea([])
+    send(sea, FENCE, box(50, 0, 20))
+    sea.run(0.1)
+    for confirmation, asked, result in [
+        (1, 1.0, ACCEPTED),
+        (1, 0.0, mavlink.MAV_RESULT_TEMPORARILY_REJECTED),
+        (0, 0.0, ACCEPTED),
+        (1, 0.0, ACCEPTED),  # it is off already
+    ]:
+        answered = acks(sea.order(FENCE_ENABLE, asked, confirmation=confirmation))
+        assert answered == [(FENCE_ENABLE, result)]
+        sea.run(0.1)
+        on = asked == 1.0 or result != ACCEPTED
+        assert status(sea) == (True, on, not on)
+
+
 def test_a_boat_that_loses_its_position_counts_as_outside_the_fence() -> None:
     sea = sailing([at(15, 0)])
     sea.mode(4)

@@ -296,6 +296,23 @@ def test_a_boat_on_its_way_home_can_be_paused() -> None:
     assert place(sea) == pytest.approx((0, 0), abs=0.05)
 
 
+def test_a_late_copy_of_a_command_does_not_end_a_newer_pause() -> None:
+    sea = guided(30.0)
+    sea.run(10.0)
+    sea.order(PAUSE, 1.0)  # its answer is lost
+    sea.order(PAUSE, 0.0)
+    tick = sea.order(PAUSE, 1.0, confirmation=1)
+    assert acks(tick) == [(PAUSE, mavlink.MAV_RESULT_TEMPORARILY_REJECTED)]
+    assert "Refused: boat was just paused: ask again in 5 s" in texts([tick])
+    sea.run(4.9)
+    stopped = place(sea)
+    sea.run(3.0)
+    assert place(sea) == pytest.approx(stopped, abs=0.02)
+    assert acks(sea.order(PAUSE, 1.0, confirmation=2)) == [(PAUSE, ACCEPTED)]
+    sea.run(5.0)
+    assert place(sea)[0] > stopped[0] + 0.5
+
+
 @pytest.mark.parametrize("order", ["home", "there"])
 def test_a_new_order_ends_a_pause(order: str) -> None:
     sea = guided(10.0)

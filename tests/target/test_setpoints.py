@@ -157,6 +157,26 @@ def test_a_script_drives_the_boat_ahead_and_in_a_turn(frame: int) -> None:
     assert sea.hull.seen.r == pytest.approx(0.2, abs=0.02)
 
 
+@pytest.mark.parametrize(
+    ("frame", "velocity_mps"),
+    [(NED, (0.04, 0.0)), (NED, (1e-6, 0.0)), (BODY_NED, (-1e-6, 0.0)), (BODY_NED, (0.02, 0.04))],
+)
+def test_a_velocity_that_is_nearly_zero_stops_the_boat_on_its_way(
+    frame: int, velocity_mps: tuple[float, float]
+) -> None:
+    sea = waiting()
+    sea.say(local(NED, place_m=(60.0, 0.0)))
+    sea.run(20.0)
+    for _ in range(60):
+        sea.say(local(frame, velocity_mps=velocity_mps))
+        sea.run(0.2)
+    before = place(sea)
+    for _ in range(20):
+        sea.say(local(frame, velocity_mps=velocity_mps))
+        sea.run(0.2)
+    assert math.dist(place(sea), before) < 0.1
+
+
 def test_a_script_drives_the_boat_on_a_course_until_it_is_silent() -> None:
     sea = waiting()
     for _ in range(200):

@@ -191,9 +191,10 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
 void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const std::size_t leader = succession_.leader();
   const FleetPeer& peer = peers_.all()[rank];
-  const bool relayed = peer.hears == leader, sailed = peer.heard && !peer.stopped;
+  const bool relayed = peer.hears == leader;
+  const bool sailed = peer.heard && peer.epoch != 0 && !peer.stopped;
   peers_.take(rank, beacon, ledger_, now_us);
-  if (sailed && peer.stopped) stop_before_us_ = std::exchange(last_stop_us_, now_us);
+  if (sailed && peer.stopped) note_stop(ledger_.current()->members[rank].system, now_us);
   const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
   // After the leader's stop, the member's first beacon no longer names a leader.
   const bool ends = relayed && beacon.plan_id == 0;
@@ -203,6 +204,13 @@ void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::
   const bool by_leader = rank == leader && (peer.leads || peer.stopped);
   if (by_leader) leader_stopped_ = peer.stopped;
   if (by_leader || relays) note_place({beacon.plan_id, beacon.plan_item});
+}
+
+/// An operator has stopped a member.
+void Fleet::note_stop(std::uint8_t system, std::int64_t now_us) {
+  if (system != last_stopped_) stop_before_us_ = last_stop_us_;
+  last_stopped_ = system;
+  last_stop_us_ = now_us;
 }
 
 void Fleet::note_place(const FleetPlace& place) {
@@ -245,6 +253,9 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   const bool drives = core::law_drives(state) || state == core::State::kManual;
   by_hand_ = by_hand_ || !same(own, by_parameters_);
   sailed_ = sailed_ || core::law_drives(state);
+  // Stops before an order to sail are over.
+  if (core::law_drives(state) && !core::law_drives(state_))
+    last_stop_us_ = stop_before_us_ = kNever;
   bool stops = stops_;
   if (const auto rank = rank_in(table, system_)) {
     if (peers_.update(table->count, leader_limit_us + kMore_us, now_us)) {
@@ -261,7 +272,8 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
         std::span(peers_.all()).first(table->count));
     const bool by_rule = order == FleetOrder::kLead || (succession_.sails_by_rule() && alone);
     const bool together = now_us - stop_before_us_ < leader_limit_us + kOneOrder_us;
-    stops = stops || (succession_.leads() && by_rule && has_missed_stop(*rank, *table, together));
+    stops = stops || (has_missed_stop(by_rule, follows, together) &&
+                      most_stopped(*rank, std::span(peers_.all()).first(table->count)));
     if (succession_.leads() && order != FleetOrder::kLead) {
       // In other modes its own item says nothing about the fleet's plan.
       note_place(state == core::State::kAuto ? report.place : FleetPlace{0, place_.item});
@@ -283,11 +295,12 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   return stops ? FleetOrder::kStop : order;
 }
 
-/// Operators have stopped most other boats, and either the leader too or two boats together: they
-/// meant the whole fleet.
-bool Fleet::has_missed_stop(std::size_t own, const FleetTable& table, bool together) const {
-  return (leader_stopped_ || together) &&
-         most_stopped(own, std::span(peers_.all()).first(table.count));
+/// Without an ordered leader, and operators have stopped the last leader, or two boats together:
+/// they meant the whole fleet.
+bool Fleet::has_missed_stop(bool by_rule, bool follows, bool together) const {
+  if (succession_.leads()) return by_rule && (leader_stopped_ || together);
+  const bool leaderless = follows && !by_hand_ && succession_.leader() == Succession::kNobody;
+  return leaderless && (together || (leader_stopped_ && succession_.lost()));
 }
 
 void Fleet::stopped() {

@@ -110,10 +110,11 @@ class Fleet {
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   void take_member(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us);
+  void note_stop(std::uint8_t system, std::int64_t now_us);
   void note_place(const FleetPlace& place);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;
-  bool has_missed_stop(std::size_t own, const FleetTable& table, bool together) const;
+  bool has_missed_stop(bool by_rule, bool follows, bool together) const;
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
   void begin(const Configuration::Formation& own, core::State state, std::int64_t now_us);
   std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;
@@ -140,8 +141,9 @@ class Fleet {
   bool asks_ = false;                               // without a table
   std::int64_t beacon_us_ = 0, table_us_ = kNever;  // due
   std::int64_t passed_us_ = kNever;                 // the newest table was last heard or sent
-  // when operators last stopped a member, and the one before
+  // when operators last stopped a member, and another one before; since this boat began to sail
   std::int64_t last_stop_us_ = kNever, stop_before_us_ = kNever;
+  std::uint8_t last_stopped_ = 0;  // system id of that member
   std::uint8_t system_ = 0;
   std::optional<TableVerdict> refusal_;
   std::optional<std::uint16_t> told_epoch_;

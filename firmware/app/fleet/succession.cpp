@@ -104,6 +104,7 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   const bool yields =
       newer || (other < self.rank && !older) || told_leader(self.rank, peers, true) < self.rank;
   by_rule_ = took || (by_rule_ && !self.begun);
+  beside_ = self.alone && (self.begun ? yields && !led : beside_);
   const bool yields_mode = !can_lead || (yields && (self.ordered || by_rule_));
   yielding_ = (yielding_ && !self.begun) || (led && yields_mode);
   if (taking_) {
@@ -113,7 +114,7 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
     const bool is_root = table.members[self.rank].leader == 0;
     const bool none_leads = other == kNobody && told == kNobody;
     const bool begins = is_root && none_leads && !under_way_ && all_lack_leader(self.rank, peers);
-    leads_ = goes_on || (self.alone && (self.ordered || begins));
+    leads_ = goes_on || (self.alone && ((self.ordered && !beside_) || begins));
   }
   if (other == kNobody && told == kNobody && !led && under_way_ && self.fit &&
       first_fit(table, self.rank, peers)) {
@@ -177,7 +178,7 @@ std::uint64_t Succession::code() const {
   code = code << 24U | out_;
   code = code << 5U | leader_;
   code = code << 5U | followed_.value_or(kNobody);
-  for (const bool flag : {leads_, taking_, by_rule_, yielding_, under_way_, stopping_}) {
+  for (const bool flag : {leads_, taking_, by_rule_, beside_, yielding_, under_way_, stopping_}) {
     code = code << 1U | (flag ? 1U : 0U);
   }
   return code;

@@ -55,7 +55,8 @@ enum class FleetOrder : std::uint8_t {
 ///
 /// A mode that an operator or a failsafe sets stays, but a leader's AUTO or GUIDED ends if a
 /// better leader appears, and every mode without a leader ends if the table no longer lets the
-/// boat lead. A leader that its operator steers by MANUAL goes on leading.
+/// boat lead. A leader that its operator steers by MANUAL goes on leading. A boat in AUTO or GUIDED
+/// leads unless a better leader was known when that mode began: it was sent to sail alone then.
 ///
 /// A failed member leaves the tree until the next table or, if it has not been fit under this one,
 /// until it is fit. Its followers attach to its leader; it may itself still follow.
@@ -109,6 +110,7 @@ class Succession {
   bool leads_ = false;
   bool taking_ = false;    // takes over, but is not yet in the leader's mode
   bool by_rule_ = false;   // this class began its mode without a leader
+  bool beside_ = false;    // it was sent to sail alone beside a better leader
   bool yielding_ = false;  // yields, but is not yet in FORMATION
   bool under_way_ = false;
   bool stopping_ = false;

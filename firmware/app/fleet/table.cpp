@@ -54,7 +54,8 @@ TableVerdict verdict_of(const FleetTable& table) {
     bool led = false;
     for (const FleetMember& before : table.all().first(i)) {
       if (before.system == member.system) return {TableFault::kTwice, member.system};
-      if (too_close(before, member)) return {TableFault::kTooClose, before.system, member.system};
+      if (!table.stop && too_close(before, member))
+        return {TableFault::kTooClose, before.system, member.system};
       led = led || before.system == member.leader;
     }
     if (member.leader == 0 && !member.can_lead) return {TableFault::kNoLeader, member.system};

@@ -60,10 +60,12 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
 void RcInput::judge(std::uint8_t component, const link::SysStatus& status) {
   constexpr std::uint32_t kReceiver = link::mav::kSensorRcReceiver;
   if ((status.sensors_present & kReceiver) == 0) return;
-  if ((status.sensors_enabled & ~status.sensors_health & kReceiver) != 0) {
-    lost_ = component;
-  } else if (is_lost(component)) {
-    lost_ = 0;
+  const bool lost = (status.sensors_enabled & ~status.sensors_health & kReceiver) != 0;
+  if (lost == is_lost(component)) return;
+  if (lost) {
+    lost_.components[lost_.next++ % lost_.components.size()] = component;
+  } else {
+    std::ranges::replace(lost_.components, component, std::uint8_t{0});
   }
 }
 
@@ -72,9 +74,12 @@ bool RcInput::pilots(std::int64_t now_us) const {
 }
 
 std::optional<Request> RcInput::take_request(State state, std::int64_t now_us) {
-  const auto asked = std::exchange(asks_, std::nullopt);
-  const bool can = core::law_drives(state) || state == State::kHold;
-  return on_ && can && now_us - heard_us_ < kSilent_us ? Request::kManual : asked;
+  auto asked = std::exchange(asks_, std::nullopt);
+  const bool drives = core::law_drives(state), can = drives || state == State::kHold;
+  if (on_ && can && now_us - heard_us_ < kSilent_us) return Request::kManual;
+  // A moved stick overrules the law, but not an operator's stop in the same tick.
+  if (asked == Request::kManual && !drives) asked.reset();
+  return asked;
 }
 
 }  // namespace flotilla::app

@@ -2,6 +2,8 @@
 // One RC pilot's sticks and mode switch, from RC_CHANNELS or RC_CHANNELS_OVERRIDE.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -28,7 +30,9 @@ class RcInput {
   /// Notes the receiver's health, as reported by the component that sends its pulses: a receiver
   /// that has lost its transmitter may repeat its last pulses endlessly.
   void judge(std::uint8_t component, const link::SysStatus& status);
-  bool is_lost(std::uint8_t component) const { return lost_ != 0 && lost_ == component; }
+  bool is_lost(std::uint8_t component) const {
+    return component != 0 && std::ranges::count(lost_.components, component) != 0;
+  }
 
   /// The pilot has taken over, and is heard.
   bool pilots(std::int64_t now_us) const;
@@ -38,12 +42,19 @@ class RcInput {
   std::optional<core::Request> take_request(core::State state, std::int64_t now_us);
 
  private:
-  RcInput(std::uint8_t component, std::uint8_t lost) : lost_(lost), component_(component) {}
+  /// The last components that have lost their transmitters; 0: none.
+  struct Lost {
+    std::array<std::uint8_t, 4> components{};
+    std::uint8_t next = 0;  ///< where the next one is noted
+  };
+
+  RcInput(std::uint8_t component, const Lost& lost) : lost_(lost), component_(component) {}
 
   Sticks sticks_, rest_;
   std::int64_t heard_us_ = 0;                           // when the last valid pulses came
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
-  std::uint8_t lost_ = 0, component_ = 0;  // the component that has lost its transmitter; in use
+  Lost lost_;
+  std::uint8_t component_ = 0;  // in use
   std::optional<core::Request> asks_;
 };
 

@@ -15,6 +15,9 @@ namespace mav = link::mav;
 constexpr unsigned kPlace = 1 | 2, kVelocity = 8 | 16, kAcceleration = 64 | 128 | 256,
                    kYawRate = 2048;
 
+// A script's slower velocity is rounding, and means rest.
+constexpr double kRest_mps = 0.05;
+
 /// The fields that both messages share; velocities north and east, or ahead and to starboard.
 struct Request {
   unsigned ignored;
@@ -34,15 +37,16 @@ Setpoint velocity_of(const Request& request) {
   const bool turns = has(request, kYawRate);
   if (turns && !std::isfinite(request.yaw_rate)) return {.why = "yaw rate is not finite"};
   if (!request.in_body && turns) return {.why = "yaw rate only in body frames"};
-  if (request.in_body && (request.vx < 0 || request.vy != 0))
+  if (request.in_body && (request.vx < -kRest_mps || std::abs(request.vy) > kRest_mps))
     return {.why = "body velocity must be ahead"};
   constexpr double kFastest_radps = 4;  // of any boat; the range of core/drive.hpp
   const double r = std::clamp(request.yaw_rate, -kFastest_radps, kFastest_radps);
   core::Drive<double> drive{request.vx, turns ? r : 0.0, {}};
   if (!request.in_body) {
     drive.u = portable::hypot(request.vx, request.vy);
-    if (drive.u > 0) drive.course = portable::atan2(request.vy, request.vx);
+    if (drive.u >= kRest_mps) drive.course = portable::atan2(request.vy, request.vx);
   }
+  if (drive.u < kRest_mps) drive.u = 0;
   return {.drive = drive};
 }
 

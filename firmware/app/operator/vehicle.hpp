@@ -161,13 +161,17 @@ class Vehicle {
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_jump(DecodedCommand& asked);
-  std::uint8_t answer_of_plan(DecodedCommand& asked);
-  /// Notes a stop by a pilot's switch: it counts on every link, and is from no operator.
-  void note_stop() { stop_ = {now_us_, {}, 0xFF}; }
+  std::uint8_t answer_of_plan(DecodedCommand& asked, bool repeated);
+  /// Notes a stop by a pilot's switch: it counts on every link but those on which an operator's
+  /// recent stop does not, and is from no operator.
+  void note_stop() { stop_ = {now_us_, {}, was_just_stopped() ? stop_.links : std::uint8_t{0xFF}}; }
+  bool was_just_stopped() const {
+    return FLOTILLA_KEEPS_FLEET != 0 && now_us_ - stop_.us < 5 * kSecond_us;
+  }
   void judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
-  std::uint8_t answer_of_fence(DecodedCommand& asked);
+  std::uint8_t answer_of_fence(DecodedCommand& asked, bool repeated);
   std::uint8_t answer_of_failure(const Failure& failure);
   void acknowledge(const PendingRequest& pending, const Command& command, std::uint8_t result,
                    link::Counters& counters);
@@ -215,6 +219,7 @@ class Vehicle {
     bool disarms = false;    ///< not only HOLD
   };
   Stop stop_;                           // the last request that stops the boat
+  std::int64_t paused_us_ = 0;          // last command to pause
   std::optional<std::size_t> reached_;  // last item reached
   Setpoints setpoints_;
   RcInput transmitter_, override_;  ///< the transmitter goes first

@@ -157,8 +157,12 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   sender_.streams().make_due(link::FenceStatus::kId);
 }
 
-/// Switches the fence on or off.
-std::uint8_t Vehicle::answer_of_fence(DecodedCommand& asked) {
+/// Switches the fence on or off. A repeated command may be a late copy: it switches nothing off.
+std::uint8_t Vehicle::answer_of_fence(DecodedCommand& asked, bool repeated) {
+  if (FLOTILLA_KEEPS_FLEET != 0 && repeated && !*asked.fence && missions_.fence().is_on()) {
+    asked.why = "fence stays on: ask again";
+    return mav::kTemporarilyRejected;
+  }
   if (!missions_.enable_fence(*asked.fence)) {
     asked.why = "no fence is stored";
     return mav::kDenied;
@@ -202,27 +206,39 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
   return mav::kAccepted;
 }
 
-/// Goes to an item, or pauses the plan or the errand.
-std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
+/// Goes to an item, or pauses the plan or the errand. A repeated command may be a late copy of one
+/// that came before the pause; the microcontroller's image has no room to judge this.
+std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked, bool repeated) {
+  const bool pauses = asked.paused && *asked.paused;
+  if (FLOTILLA_KEEPS_FLEET != 0) {
+    const bool recent = orders_.is_paused() && now_us_ - paused_us_ < 5 * kSecond_us;
+    if (repeated && !pauses && recent) {
+      asked.why = "boat was just paused: ask again in 5 s";
+      return mav::kTemporarilyRejected;
+    }
+    if (pauses) paused_us_ = now_us_;
+  }
   if (asked.item) return answer_of_jump(asked);
   if (!core::sails_alone(supervisor_.state())) return mav::kTemporarilyRejected;
-  orders_.pause(*asked.paused);
+  orders_.pause(pauses);
   return mav::kAccepted;
 }
 
 /// A command to disarm wins over a request that comes after it in the same tick: whoever sent the
 /// request had not yet seen the boat disarmed. A request whose first copy was lost may arrive after
-/// a newer stop: so for 5 s, a request is refused on a link that did not carry the stop, and a
-/// repeated one from another operator. The microcontroller's image has no room for this.
+/// a newer stop: so for 5 s, a request is refused on a link that did not carry the stop (or the stops
+/// of two operators), and a repeated one from another operator. The microcontroller's image has no
+/// room for this.
 void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked) {
   if (asked.request == Request::kNone) return;
   const auto link = static_cast<std::uint8_t>(1U << pending.link);
   const bool others = pending.from != stop_.by;
-  const bool recent = FLOTILLA_KEEPS_FLEET != 0 && now_us_ - stop_.us < 5 * kSecond_us;
+  const bool recent = was_just_stopped();
   const bool after_disarm = stop_.disarms && pending.read_us <= stop_.us;
   if (!drives(asked.request)) {
-    const auto links = static_cast<std::uint8_t>(others || !recent ? link : stop_.links | link);
-    stop_ = {now_us_, pending.from, links, after_disarm || asked.request != Request::kHold};
+    const unsigned links = !recent ? link : others ? stop_.links & link : stop_.links | link;
+    stop_ = {now_us_, pending.from, static_cast<std::uint8_t>(links),
+             after_disarm || asked.request != Request::kHold};
   } else if (after_disarm || (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
     asked = {mav::kTemporarilyRejected};
     asked.why = "boat was just stopped: ask again in 5 s";
@@ -258,13 +274,14 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   // AUTO again at the plan's end begins the plan anew.
   const bool stays = decision.granted && !decision.changed && !command.repeated;
   if (asked.request == Request::kAuto && stays && missions_.is_complete()) asked.item = 0;
-  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not set if denied
+  if (asked.item || asked.paused)
+    asked.result = answer_of_plan(asked, command.repeated);  // not set if denied
   // A new order ends a pause; a repeated one may be a late copy of an order before the pause.
   if (sails_alone(asked.request) && !asked.target && decision.granted && !command.repeated) {
     orders_.pause(false);
   }
   if (asked.target && decision.granted) orders_.go_to(*asked.target);
-  if (asked.fence) asked.result = answer_of_fence(asked);
+  if (asked.fence) asked.result = answer_of_fence(asked, command.repeated);
   if (asked.message) {
     refresh();
     asked.result = answer_of(link, *asked.message);

@@ -194,6 +194,72 @@ TEST_CASE("a boat that misses a HOLD stops even if it does not hear the leader, 
   }
 }
 
+TEST_CASE("a boat that may not lead, and misses a HOLD of all boats, stops too") {
+  Harbour harbour;
+  FleetTable table = table_of_four(1);
+  table.members[3].can_lead = false;
+  harbour.hear(0, message_of(table_of(message_of(table, 0)), 0), kOperator);
+  harbour.sail(5);
+  for (std::size_t who = 0; who < 3; ++who) {
+    harbour.boats[who].state = State::kHold;
+    harbour.boats[who].stopped = true;
+  }
+  harbour.sail(3);
+  CHECK(harbour.boats[3].state == State::kHold);
+  harbour.boats[3].state = State::kFormation;  // by its operator
+  harbour.boats[3].stopped = false;
+  harbour.sail(5);
+  CHECK(harbour.boats[3].state == State::kFormation);
+}
+
+TEST_CASE("stopping one boat twice, or adding boats that are laid up, is no HOLD of all boats") {
+  for (const bool twice : {true, false}) {
+    CAPTURE(twice);
+    Harbour harbour = under_way();
+    harbour.boats[0].on = harbour.boats[3].on = false;
+    harbour.sail(5);
+    REQUIRE(harbour.boats[1].state == State::kLoiter);
+    harbour.boats[2].state = State::kHold;
+    harbour.boats[2].stopped = true;
+    harbour.sail(1);
+    if (twice) {
+      harbour.boats[2].state = State::kFormation;
+      harbour.boats[2].stopped = false;
+      harbour.sail(1);
+      harbour.boats[2].state = State::kHold;
+      harbour.boats[2].stopped = true;
+    } else {
+      FleetTable table = table_of_four(2);
+      table.members[0].system = 9;
+      for (std::size_t who = 1; who < 4; ++who) {
+        if (table.members[who].leader == 1) table.members[who].leader = 9;
+      }
+      harbour.hear(1, message_of(table_of(message_of(table, 0)), 0), kOperator);
+      harbour.sail(0.2);
+      link::FleetBeacon laid_up{};
+      laid_up.epoch = 2;
+      laid_up.flags = FleetPeers::kEnds;
+      harbour.hear(1, laid_up, {9, 1});
+    }
+    harbour.sail(2);
+    CHECK(harbour.boats[1].state == State::kLoiter);
+  }
+}
+
+TEST_CASE("a boat that was sent to sail alone beside a leader does not lead after that leader") {
+  for (const State sent : {State::kGuided, State::kAuto}) {
+    CAPTURE(static_cast<int>(sent));
+    Harbour harbour = under_way();
+    harbour.boats[3].state = sent;
+    harbour.sail(2);
+    harbour.boats[0].on = false;
+    harbour.sail(5);
+    CHECK(harbour.boats[3].state == sent);
+    CHECK(harbour.boats[1].state == State::kAuto);
+    CHECK(harbour.leader_of(2) == 2);
+  }
+}
+
 TEST_CASE("a boat that took over sails on if one boat is stopped and the others fall silent") {
   for (const bool pair : {false, true}) {
     CAPTURE(pair);

@@ -67,6 +67,9 @@ TEST_CASE("an invalid table is refused, with the name of the boat at fault") {
   CHECK(verdict_of(bad).fault == TableFault::kTooClose);
   CHECK(verdict_of(bad).system == 3);
   CHECK(verdict_of(bad).other == 4);
+  bad.stop = true;  // passed on, so that it stops also boats that do not hear the operator
+  CHECK(verdict_of(bad).fault == TableFault::kNone);
+  bad.stop = false;
   bad.members[3].slot_cm = {-530, 0};  // a hull's length from both
   bad.members[2].slot_cm = {-660, 0};
   CHECK(verdict_of(bad).fault == TableFault::kNone);

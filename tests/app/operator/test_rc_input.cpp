@@ -79,6 +79,20 @@ TEST_CASE("only one component's pulses count until it is silent or has lost its 
   CHECK(hear(1, 3'000'000));
 }
 
+TEST_CASE("a receiver stays lost while other components report lost receivers, or a healthy one") {
+  link::SysStatus status{};
+  status.sensors_present = status.sensors_enabled = link::mav::kSensorRcReceiver;
+  RcInput rc;
+  for (const unsigned component : {140U, 141U, 142U, 140U}) {
+    rc.judge(static_cast<std::uint8_t>(component), status);
+  }
+  CHECK((rc.is_lost(140) && rc.is_lost(141) && rc.is_lost(142)));
+  status.sensors_health = link::mav::kSensorRcReceiver;
+  rc.judge(143, status);
+  rc.judge(141, status);
+  CHECK((rc.is_lost(140) && !rc.is_lost(141) && rc.is_lost(142)));
+}
+
 TEST_CASE("while the switch is on it requests MANUAL where the boat can change to it") {
   for (const State state : {State::kHold, State::kFormation, State::kCoast}) {
     Transmitter t;
@@ -130,6 +144,12 @@ TEST_CASE("moving a stick takes control from the law, and from nobody else") {
     CHECK_FALSE(t.rc.sticks());
     CHECK_FALSE(t.request());
   }
+  Transmitter stopped;
+  stopped.hear(State::kFormation);
+  stopped.set(1500, 1900, 1000);
+  stopped.hear(State::kFormation);
+  stopped.last = State::kHold;  // an operator's HOLD came in the same tick
+  CHECK_FALSE(stopped.request());
   Transmitter still;
   still.set(1600, 1400, 1000);
   still.hear(State::kFormation);

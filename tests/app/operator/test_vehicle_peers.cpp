@@ -96,6 +96,19 @@ TEST_CASE("a repeated request does not undo another operator's newer HOLD, but u
   CHECK(s.state() == State::kFormation);
 }
 
+TEST_CASE(
+    "a second operator's HOLD on another link does not let in what the first one's kept out") {
+  Ship s;
+  s.bring_to(State::kFormation);
+  ask_mode(s, s.operator_, 4, 0);
+  ask_mode(s, s.stranger, 4, 1);
+  ask_mode(s, s.operator_, 6, 1);  // sent before the HOLD
+  CHECK(s.state() == State::kHold);
+  s.pass(5);
+  ask_mode(s, s.operator_, 6, 1);
+  CHECK(s.state() == State::kFormation);
+}
+
 TEST_CASE("commands for other vehicles are neither executed nor answered") {
   Ship s;
   s.tick();
