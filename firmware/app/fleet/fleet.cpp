@@ -271,9 +271,9 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
          by_hand_, alone && state != state_, state == core::State::kManual},
         std::span(peers_.all()).first(table->count));
     const bool by_rule = order == FleetOrder::kLead || (succession_.sails_by_rule() && alone);
-    const bool together = now_us - stop_before_us_ < leader_limit_us + kOneOrder_us;
-    stops = stops || (has_missed_stop(by_rule, follows, together) &&
-                      most_stopped(*rank, std::span(peers_.all()).first(table->count)));
+    const bool unled = succession_.leads() ? by_rule : follows && lacks_leader();
+    const std::int64_t since_us = now_us - leader_limit_us - kOneOrder_us;
+    stops = stops || (unled && has_missed_stop(*rank, *table, since_us));
     if (succession_.leads() && order != FleetOrder::kLead) {
       // In other modes its own item says nothing about the fleet's plan.
       note_place(state == core::State::kAuto ? report.place : FleetPlace{0, place_.item});
@@ -295,12 +295,17 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   return stops ? FleetOrder::kStop : order;
 }
 
-/// Without an ordered leader, and operators have stopped the last leader, or two boats together:
-/// they meant the whole fleet.
-bool Fleet::has_missed_stop(bool by_rule, bool follows, bool together) const {
-  if (succession_.leads()) return by_rule && (leader_stopped_ || together);
-  const bool leaderless = follows && !by_hand_ && succession_.leader() == Succession::kNobody;
-  return leaderless && (together || (leader_stopped_ && succession_.lost()));
+/// It follows the table's rule, but knows no leader.
+bool Fleet::lacks_leader() const {
+  return !by_hand_ && succession_.leader() == Succession::kNobody;
+}
+
+/// Operators have stopped most of the boats that this one hears: among them the leader of a fleet
+/// under way, or two since since_us. So they meant the whole fleet.
+bool Fleet::has_missed_stop(std::size_t own, const FleetTable& table, std::int64_t since_us) const {
+  const bool with_leader = leader_stopped_ && (succession_.leads() || succession_.lost());
+  return (with_leader || since_us < stop_before_us_) &&
+         most_stopped(own, std::span(peers_.all()).first(table.count));
 }
 
 void Fleet::stopped() {

@@ -114,7 +114,8 @@ class Fleet {
   void note_place(const FleetPlace& place);
   bool is_stop(const FleetTable& table) const;
   bool concerns_us(const FleetTable& table) const;
-  bool has_missed_stop(bool by_rule, bool follows, bool together) const;
+  bool lacks_leader() const;
+  bool has_missed_stop(std::size_t own, const FleetTable& table, std::int64_t since_us) const;
   std::optional<std::int64_t> gives_in(const FleetTable& requested) const;
   void begin(const Configuration::Formation& own, core::State state, std::int64_t now_us);
   std::optional<Attachment> attachment(std::size_t own, std::int64_t now_us) const;

@@ -69,6 +69,12 @@ struct Harbour {
     }
   }
 
+  /// An operator puts boats[who] into HOLD.
+  void stop(std::size_t who) {
+    boats[who].state = core::State::kHold;
+    boats[who].stopped = true;
+  }
+
   /// Boats[who] neither hears others nor is heard, until reach(who).
   void cut_off(std::size_t who) {
     for (Boat& boat : boats) boat.deaf_to = boats[who].system;

@@ -160,8 +160,7 @@ TEST_CASE("a boat that misses an operator's HOLD of all boats stops too") {
       for (std::size_t i = 0; i < 4; ++i) {
         const std::size_t who = leader_last ? 3 - i : i;
         if (who == missed) continue;
-        harbour.boats[who].state = State::kHold;
-        harbour.boats[who].stopped = true;
+        harbour.stop(who);
         harbour.sail(0.3);
       }
       harbour.sail(3);
@@ -185,8 +184,7 @@ TEST_CASE("a boat that misses a HOLD stops even if it does not hear the leader, 
     harbour.sail(5);
     REQUIRE(harbour.boats[1].state == (took_over ? State::kAuto : State::kFormation));
     for (const std::size_t who : {0U, 2U, 3U}) {
-      harbour.boats[who].state = State::kHold;
-      harbour.boats[who].stopped = true;
+      harbour.stop(who);
     }
     harbour.sail(took_over ? 0.5 : 3.5);
     CHECK(harbour.boats[1].state == State::kHold);
@@ -201,8 +199,7 @@ TEST_CASE("a boat that may not lead, and misses a HOLD of all boats, stops too")
   harbour.hear(0, message_of(table_of(message_of(table, 0)), 0), kOperator);
   harbour.sail(5);
   for (std::size_t who = 0; who < 3; ++who) {
-    harbour.boats[who].state = State::kHold;
-    harbour.boats[who].stopped = true;
+    harbour.stop(who);
   }
   harbour.sail(3);
   CHECK(harbour.boats[3].state == State::kHold);
@@ -219,15 +216,13 @@ TEST_CASE("stopping one boat twice, or adding boats that are laid up, is no HOLD
     harbour.boats[0].on = harbour.boats[3].on = false;
     harbour.sail(5);
     REQUIRE(harbour.boats[1].state == State::kLoiter);
-    harbour.boats[2].state = State::kHold;
-    harbour.boats[2].stopped = true;
+    harbour.stop(2);
     harbour.sail(1);
     if (twice) {
       harbour.boats[2].state = State::kFormation;
       harbour.boats[2].stopped = false;
       harbour.sail(1);
-      harbour.boats[2].state = State::kHold;
-      harbour.boats[2].stopped = true;
+      harbour.stop(2);
     } else {
       FleetTable table = table_of_four(2);
       table.members[0].system = 9;
@@ -285,8 +280,7 @@ TEST_CASE("a boat that took over and is steered by a pilot does not stop with th
   harbour.boats[1].state = State::kManual;
   harbour.sail(1);
   for (const std::size_t who : {2U, 3U}) {
-    harbour.boats[who].state = State::kHold;
-    harbour.boats[who].stopped = true;
+    harbour.stop(who);
   }
   harbour.sail(5);
   CHECK(harbour.boats[1].state == State::kManual);
@@ -303,8 +297,7 @@ TEST_CASE("boats that have restarted, or are stopped while the leader sails on, 
     }
     harbour.sail(5);
     if (restarted) {
-      harbour.boats[0].state = State::kHold;
-      harbour.boats[0].stopped = true;
+      harbour.stop(0);
     } else {
       harbour.boats[0].on = false;
     }

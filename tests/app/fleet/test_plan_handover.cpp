@@ -79,8 +79,7 @@ TEST_CASE("a follower that its operator has stopped does not end the plan of oth
   for (int start = 0; start < 24; ++start) {
     CAPTURE(start);
     Harbour harbour = under_way();
-    harbour.boats[3].state = State::kHold;
-    harbour.boats[3].stopped = true;
+    harbour.stop(3);
     harbour.sail(3 + 0.05 * start);
     harbour.boats[1].deaf_to = 1;
     harbour.sail(0.2);
