@@ -72,9 +72,11 @@ struct SeparationParams {
   S reaction = S(0.4);  ///< t_r, s; chosen: delay of messages and propellers
 
   // Distances, ratio to D_min.
-  S hold = S(1.1);   ///< k_h; chosen: distance that approaches aim at, a margin over D_min
-  S yield = S(1.4);  ///< k_y: yielding begins; chosen: above k_h, which leaves room to pass
-  S end = S(1.5);    ///< k_e: yielding ends; chosen: above k_y, or it would begin again at once
+  S hold = S(1.1);     ///< k_h; chosen: distance that approaches aim at, a margin over D_min
+  S yield = S(1.4);    ///< k_y: yielding begins; chosen: above k_h, which leaves room to pass
+  S end = S(1.5);      ///< k_e: yielding ends; chosen: above k_y, or it would begin again at once
+  S keep_on = S(1.5);  ///< s; yielding to members goes on that long; chosen: law and yielding,
+                       ///< which may turn the boat opposite ways, do not alternate
 
   // Choice of w.
   S eager = S(1);      ///< T_e, s; chosen: short, so that a boat passes rather than waits
@@ -98,6 +100,7 @@ template <class S>
 struct SeparationState {
   Vec2<S> w_n{};  ///< chosen last
   S stuck_s{};    ///< τ; decreases at half the rate at which it grows
+  S left_s{};     ///< until the boat stops yielding to members
   bool yielding = false;
   bool bow_first = false;  ///< the boat turns about: bow first, however far it must turn
 };

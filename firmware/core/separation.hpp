@@ -229,6 +229,9 @@ Separation<S> separate(const SeparationParams<S>& params, SeparationState<S>& st
                        const SeparationInput<S>& in, VirtualVelocity<S>& desired) {
   Nu<S>& nu = desired.nu_star;
   auto [out, stranger] = foresee(params, state, in, nu);
+  const bool member = out.yielding && !stranger;
+  state.left_s = member ? params.keep_on : max(S(0), state.left_s - in.dt);
+  out.yielding = out.yielding || (state.yielding && S(0) < state.left_s);
   if (out.yielding) {
     Choice<S> best = choose(params, state, in, stranger);
     if (state.bow_first && !(best.rank == 4 && S(0) < length(best.w_n))) {
