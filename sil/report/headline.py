@@ -32,16 +32,16 @@ class Verdict(NamedTuple):
 def of_run(summary: Summary) -> Verdict:
     """The verdict of a run.
 
-    A boat is in its slot if it stays within 0.05 m of it to the end (settling time). Two boats are
+    The time after which the boats stay in their slots is the longest settling time. Two boats are
     too near if their reference points come nearer than a hull's length.
     """
     boats = summary["boats"]
     wrong = [*_states(boats), *_separation(summary)]
     settled = [boat["settling_time_s"] for boat in boats if boat["settling_time_s"] is not None]
     in_slots = len(settled) == len(boats)
-    parts = [f"{len(settled)} of {len(boats)} in their slots"]
+    parts = [f"{len(settled)} of {len(boats)} stay within 0.05 m of their slots"]
     if in_slots:
-        parts[0] += f" after {max(settled):.0f} s"
+        parts[0] += f" from {max(settled):.0f} s on"
     worst = max(boats, key=lambda boat: _size(boat["max_error_m"]))
     if math.isfinite(worst["max_error_m"]):
         parts.append(f"worst {length(worst['max_error_m'])} in the last third")

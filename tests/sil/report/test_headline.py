@@ -43,19 +43,23 @@ def summary(*boats: BoatSummary, separation_m: float | None = 1.18, hull_m: floa
 def test_headline_of_a_good_run_has_settling_time_error_and_separation() -> None:
     found = headline.of_run(summary(boat(1, settling_time_s=12.0), boat(2)))
     assert found.level == "good"
-    settled = "2 of 2 in their slots after 60 s; worst 0.2 mm in the last third"
+    settled = (
+        "2 of 2 stay within 0.05 m of their slots from 60 s on; worst 0.2 mm in the last third"
+    )
     assert found.text == f"{settled}; closest two boats 1.18 m"
 
 
 def test_single_boat_has_no_neighbour() -> None:
     found = headline.of_run(summary(boat(1), separation_m=None))
-    assert found == ("good", "1 of 1 in their slots after 60 s; worst 0.2 mm in the last third")
+    assert found.level == "good"
+    settled = "1 of 1 stay within 0.05 m of their slots from 60 s on"
+    assert found.text == f"{settled}; worst 0.2 mm in the last third"
 
 
 def test_boat_that_does_not_stay_in_its_slot_is_counted_out() -> None:
     found = headline.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=0.213)))
     assert found.level == "fair"
-    assert found.text.startswith("1 of 2 in their slots; worst 0.21 m")
+    assert found.text.startswith("1 of 2 stay within 0.05 m of their slots; worst 0.21 m")
 
 
 @pytest.mark.parametrize(
