@@ -75,8 +75,8 @@ struct SeparationParams {
   S hold = S(1.1);     ///< k_h; chosen: distance that approaches aim at, a margin over D_min
   S yield = S(1.4);    ///< k_y: yielding begins; chosen: above k_h, which leaves room to pass
   S end = S(1.5);      ///< k_e: yielding ends; chosen: above k_y, or it would begin again at once
-  S keep_on = S(1.5);  ///< s; yielding to members goes on that long; chosen: law and yielding,
-                       ///< which may turn the boat opposite ways, do not alternate
+  S keep_on = S(1.5);  ///< s, at most τ; yielding to members goes on that long; chosen: law and
+                       ///< yielding, which may turn the boat opposite ways, do not alternate
 
   // Choice of w.
   S eager = S(1);      ///< T_e, s; chosen: short, so that a boat passes rather than waits

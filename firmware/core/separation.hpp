@@ -230,7 +230,7 @@ Separation<S> separate(const SeparationParams<S>& params, SeparationState<S>& st
   Nu<S>& nu = desired.nu_star;
   auto [out, stranger] = foresee(params, state, in, nu);
   const bool member = out.yielding && !stranger;
-  state.left_s = member ? params.keep_on : max(S(0), state.left_s - in.dt);
+  state.left_s = member ? min(params.keep_on, state.stuck_s) : max(S(0), state.left_s - in.dt);
   out.yielding = out.yielding || (state.yielding && S(0) < state.left_s);
   if (out.yielding) {
     Choice<S> best = choose(params, state, in, stranger);

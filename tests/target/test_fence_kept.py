@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course
 from tests.target.hull import Afloat, Hull
-from tests.target.operator_words import sticks
+from tests.target.operator_words import param_set, sticks
 from tests.target.plans import (
     CIRCLE_OUT,
     FENCE,
@@ -208,6 +208,17 @@ def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "HOLD"
     assert words(sea)[-1] == "Plan: outside the fence"
     assert send(sea, FENCE, box(0, 0, 30)) == ITEM_ACCEPTED
+    sea.run(0.5)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+
+
+def test_a_plan_is_judged_again_when_wp_radius_changes() -> None:
+    sea = fenced([at(0, 0), turns(5, 0, 1.0, 0.0)], box(0, 0, 20), {"WP_RADIUS": 3.0})
+    sea.say(param_set("WP_RADIUS", 18.0))
+    sea.run(0.5)
+    assert any(text.startswith("Plan invalid at item 1: ") for text in words(sea))
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    sea.say(param_set("WP_RADIUS", 3.0))
     sea.run(0.5)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
 

@@ -238,8 +238,8 @@ link::Message MissionService::finish(const Asker& asker) {
   store(kind).link = asker.link;
   upload_.reset();
   news_ = News{.kind = News::Kind::kStored, .what = kind};
-  // Each leg was judged on arrival. Only a fence or a margin that has changed needs a new check.
-  if (kind == Stored::kPlan) check_.begin(judged && checked_map_ == fence_.drawn());
+  // Each leg was judged on arrival. Only if something in Checked has changed is a new check needed.
+  if (kind == Stored::kPlan) check_.begin(judged && checked_.map == fence_.drawn());
   return acknowledgement(asker.from, mav::kMissionAccepted, type_of(kind), store(kind).id);
 }
 
@@ -333,12 +333,12 @@ void MissionService::sailed(const PlanMark& ahead, bool complete) {
 bool MissionService::enable_fence(bool on) {
   if (!fence_.is_stored()) return false;
   fence_.enable(on);
-  checked_map_ = fence_.drawn();
+  checked_.map = fence_.drawn();
   judge_anew();
   return true;
 }
 
-/// Call when the fence or the margin has changed: judges the plan again, and a plan in upload once
+/// Call when what the plan was judged by has changed: judges the plan again, and a plan in upload once
 /// it is whole.
 void MissionService::judge_anew() {
   check_.begin();
@@ -347,9 +347,8 @@ void MissionService::judge_anew() {
 }
 
 void MissionService::check_plan(const PlanDefaults& defaults) {
-  const bool same = std::exchange(checked_map_, fence_.drawn()) == fence_.drawn() &&
-                    std::exchange(checked_margin_m_, defaults.margin_m) == defaults.margin_m;
-  if (!same) judge_anew();
+  const Checked now{fence_.drawn(), defaults.margin_m, defaults.radius_m};
+  if (std::exchange(checked_, now) != now) judge_anew();
   const std::size_t homes = homes_of(plan());
   if (!check_.forward(fence_, plan().subspan(homes), with_homes(defaults, homes))) return;
   news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, homes + check_.item(), check_.why()};

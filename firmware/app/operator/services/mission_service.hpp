@@ -149,6 +149,12 @@ class MissionService {
     int tries = 0;
     bool judged = true;  ///< all items by the present fence
   };
+  /// What the legs of the stored plan were judged by.
+  struct Checked {
+    std::uint32_t map = 0;  ///< the fence's
+    float margin_m = 0, radius_m = 0;
+    bool operator==(const Checked&) const = default;
+  };
 
   Store& store(Stored kind) { return stores_[static_cast<std::size_t>(kind)]; }
   const Store& store(Stored kind) const { return stores_[static_cast<std::size_t>(kind)]; }
@@ -174,8 +180,7 @@ class MissionService {
   std::span<PlanItem> incoming_;
   Fence fence_;
   PlanCheck check_;
-  std::uint32_t checked_map_ = 0;
-  float checked_margin_m_ = 0;
+  Checked checked_;
   std::string_view way_why_{};
   std::size_t current_ = 0;
   PlanProgress progress_;
