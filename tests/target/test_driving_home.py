@@ -10,12 +10,13 @@ import pytest
 
 from tests.target.course import TURN, Course
 from tests.target.hull import Afloat, Hull, s_curve
-from tests.target.operator_words import MANUAL, drive, enter_manual, sticks
+from tests.target.operator_words import drive, enter_manual, sticks
 from tests.target.sea import Sea, acks, at_sea, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,
     FORMATION,
+    MANUAL,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,

@@ -17,8 +17,10 @@ from tests.target.plans import (
     INVALID,
     INVALID_PARAM1,
     ITEM_ACCEPTED,
+    JUMP,
     KEEP_IN,
     KEEP_OUT,
+    LOITER_TURNS,
     PLAN,
     Item,
     Planner,
@@ -32,10 +34,16 @@ from tests.target.plans import (
 from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
+    AUTO,
     BOAT,
     DENIED,
+    FENCE_ENABLE,
     FORMATION,
+    GUIDED,
     HOLD,
+    LOITER,
+    MANUAL,
+    RTL,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,
@@ -43,11 +51,10 @@ from tests.target.stations import (
     local_position,
     origin,
 )
-from tests.target.test_auto import AUTO, SET_CURRENT, at_sea, place, sailing
+from tests.target.test_auto import SET_CURRENT, at_sea, place, sailing
 from tests.target.test_long_texts import sentences
 
-FENCE_ENABLE, GEOFENCE, MANUAL = 207, 1 << 20, 0
-LOITER_TURNS, JUMP = 18, 177
+GEOFENCE = 1 << 20
 HULL = 1.3  # BOAT_LEN's default: the margin
 
 
@@ -227,7 +234,7 @@ def test_auto_does_not_begin_where_the_way_to_the_plan_leaves_the_fence() -> Non
     assert words(sea)[-1] == "Plan: path crosses the fence"
 
 
-@pytest.mark.parametrize("via", [None, 5, 15], ids=["HOLD", "LOITER", "GUIDED"])
+@pytest.mark.parametrize("via", [None, LOITER, GUIDED], ids=["HOLD", "LOITER", "GUIDED"])
 def test_auto_is_judged_by_the_way_to_the_item_that_was_chosen_just_now(via: int | None) -> None:
     """The plan leads round a wall; the way to its third place goes through it."""
     wall = corners(KEEP_OUT, [(8, -20), (8, 20), (9, 20), (9, -20)])
@@ -342,7 +349,7 @@ def test_a_target_behind_a_fence_is_refused_and_rtl_goes_round_it() -> None:
         )
     )
     assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
-    sea.mode(11)
+    sea.mode(RTL)
     sea.run(20.0)
     assert "straight path crosses the fence: going round it" in words(sea)
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
@@ -357,7 +364,7 @@ def test_guided_without_a_target_stops_before_a_wall_and_does_not_go_round_it(ga
     while place(sea)[0] < 40 - gap_m:
         sea.say(sticks(130, 0))
         sea.run(0.1)
-    assert acks(sea.mode(15)) == [(SET_MODE, ACCEPTED)]
+    assert acks(sea.mode(GUIDED)) == [(SET_MODE, ACCEPTED)]
     sea.run(30.0)
     assert sea.state == "GUIDED" and not any("going round" in text for text in words(sea))
     assert place(sea) == pytest.approx((40 - gap_m, 0), abs=0.5)

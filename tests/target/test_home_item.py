@@ -11,6 +11,7 @@ from tests.target.plans import (
     FENCE,
     INVALID,
     ITEM_ACCEPTED,
+    JUMP,
     Item,
     Planner,
     as_sent,
@@ -18,10 +19,10 @@ from tests.target.plans import (
     circle,
     plan_of,
 )
-from tests.target.stations import BOAT
-from tests.target.test_auto import AUTO, at_sea, place, progress, reached
+from tests.target.stations import AUTO, BOAT
+from tests.target.test_auto import at_sea, place, progress, reached
 
-JUMP, PARAM1 = 177, 6
+PARAM1 = 6
 ARDUPILOT = {"MAV_AUTOPILOT": 1.0}
 OVER_SEA_LEVEL = 0  # MAV_FRAME_GLOBAL
 HOME = at(-30, -30)._replace(frame=OVER_SEA_LEVEL, z=490.0)

@@ -12,7 +12,7 @@ from tests.target.course import Course
 from tests.target.hull import Afloat, Hull
 from tests.target.operator_words import sticks
 from tests.target.sea import PAPER, Sea, Tick, at_sea, texts
-from tests.target.stations import FORMATION
+from tests.target.stations import FORMATION, MANUAL
 from tests.target.test_long_texts import sentences as whole
 
 
@@ -23,7 +23,6 @@ def sentences(ticks: list[Tick]) -> list[str]:
 
 LOW, FAR = "battery is below FS_BATT_V, or unknown", "outside fence, or position unknown"
 GEOFENCE, BATTERY, PREARM = 1 << 20, 1 << 25, 1 << 28
-MANUAL = 0
 
 
 def charged(parameters: dict[str, float]) -> Sea:

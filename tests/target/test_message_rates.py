@@ -16,15 +16,16 @@ from tests.target.stations import (
     BOAT,
     DENIED,
     GCS,
+    GET_INTERVAL,
     HOLD,
     ORIGIN,
+    SET_INTERVAL,
     UNSUPPORTED,
     Station,
     command_long,
     heartbeat,
 )
 
-SET_INTERVAL, GET_INTERVAL = 511, 510
 HEARTBEAT, ATTITUDE, POSITION, FOLLOW_TARGET, EXTENDED_STATE = 0, 30, 32, 144, 245
 NAMED_VALUE = 251
 NEVER, DEFAULT = -1.0, 0.0

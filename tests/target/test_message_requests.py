@@ -21,6 +21,7 @@ from tests.target.stations import (
     DENIED,
     GCS,
     GCS_COMPONENT,
+    GET_INTERVAL,
     ORIGIN,
     TEMPORARILY_REJECTED,
     UNSUPPORTED,
@@ -28,7 +29,7 @@ from tests.target.stations import (
     command_long,
 )
 
-REQUEST, GET_INTERVAL, VERSION, CAPABILITIES = 512, 510, 519, 520
+REQUEST, VERSION, CAPABILITIES = 512, 519, 520
 INTERVAL, MODES, ODOMETRY = 244, 435, 331
 # those that clients need, and all others that a boat can send
 ASKED_FOR = [148, 242, 49, MODES, 436, 397, 1, 0, INTERVAL, 33, 32, 30, ODOMETRY, 300, 396]

@@ -19,7 +19,6 @@ from tests.target.course import Course
 from tests.target.operator_words import (
     ENTER,
     REAL32,
-    STORAGE,
     drive,
     enter_manual,
     param_list,
@@ -35,6 +34,7 @@ from tests.target.stations import (
     GCS,
     GCS_COMPONENT,
     SET_MODE,
+    STORAGE,
     TEMPORARILY_REJECTED,
     Station,
     decode,

@@ -27,11 +27,10 @@ from tests.target.plans import (
     corners,
     rally,
 )
-from tests.target.stations import BOAT, HOLD, ORIGIN, origin
+from tests.target.stations import BOAT, FENCE_ENABLE, HOLD, LOITER, ORIGIN, REPOSITION, RTL, origin
 from tests.target.test_auto import at_sea, place
 from tests.target.test_fence_kept import HULL, send, words
 
-RTL, REPOSITION, LOITER_MODE, FENCE_ENABLE = 11, 192, 5, 207
 NO_WAY = "no path inside the fence: boat waits"
 ROUND = "straight path crosses the fence: going round it"
 Points = list[tuple[float, float]]
@@ -336,7 +335,7 @@ def test_a_boat_that_leaves_rtl_gives_up_the_search() -> None:
     sea = away((20, 0))
     assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED
     sea.mode(RTL)
-    sea.mode(LOITER_MODE)
+    sea.mode(LOITER)
     sea.run(10.0)
     assert sea.state == "LOITER" and ROUND not in words(sea)
     assert place(sea) == pytest.approx((20, 0), abs=0.1)
