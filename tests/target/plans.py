@@ -63,6 +63,17 @@ def at(north_m: float, east_m: float, hold_s: float = 0.0, radius_m: float = 0.0
     )
 
 
+def bare(command: int, *params: float) -> Item:
+    """An item without a place."""
+    a, b = (*params, 0.0, 0.0)[:2]
+    return Item(command, (a, b, 0.0, 0.0), 0, 0, frame=2)
+
+
+def turns(north_m: float, east_m: float, count: float, radius_m: float) -> Item:
+    params = (count, 0.0, radius_m, math.nan)
+    return at(north_m, east_m)._replace(command=LOITER_TURNS, params=params)
+
+
 def speed(metres_per_s: float) -> Item:
     return Item(SPEED, (1.0, metres_per_s, -1.0, 0.0), 0, 0, frame=2)
 
@@ -179,6 +190,11 @@ class Planner:
                     if ours and seq in (None, getattr(m, "seq", 0)):
                         return m
         raise AssertionError(f"no MISSION_{answer} {seq}")
+
+
+def send(sea: Sea, kind: int, items: Sequence[Item]) -> int | None:
+    """Send a plan, fence or rally points from the ground station, as Planner.send."""
+    return Planner(sea, kind=kind).send(items)
 
 
 def plan_of(sea: Sea, kind: int = PLAN) -> list[tuple[bytes, ...]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import functools
 import math
+import struct
 from collections.abc import Iterable
 from typing import Any
 
@@ -161,6 +162,16 @@ def decode_named(chunks: Iterable[bytes], name: str) -> list[Any]:
     if not some:
         return []
     return [message for message in decode(some) if message.get_type() == name]
+
+
+def float32(value: float) -> float:
+    """The nearest number of 32 bits, as messages carry it."""
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+def kind_of(message_id: int) -> str:
+    """The message's name in our dialect."""
+    return str(dialect().mavlink_map[message_id].msgname)
 
 
 @functools.cache

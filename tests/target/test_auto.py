@@ -22,6 +22,7 @@ from tests.target.plans import (
     Planner,
     as_sent,
     at,
+    bare,
     plan_of,
     speed,
 )
@@ -347,7 +348,7 @@ def test_a_leg_over_2_9_km_is_refused() -> None:
     assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1460, 0)]) == INVALID_X
     assert "Plan refused at item 2: leg over 2.9 km" in texts(sea.ticks)
     assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1440, 0)]) == ITEM_ACCEPTED
-    back = Item(JUMP, (1.0, 1.0, 0.0, 0.0), 0, 0, frame=2)
+    back = bare(JUMP, 1.0, 1.0)
     assert Planner(sea).send([at(0, 0), at(1990, 0), at(0, 1990), at(-1990, 0), back]) == INVALID_X
 
 

@@ -8,7 +8,6 @@ import math
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.dialect import dialect
 from tests.target.operator_words import command_int, param_list, param_set
 from tests.target.sea import Sea, Tick, acks, messages, named
 from tests.target.stations import (
@@ -24,6 +23,7 @@ from tests.target.stations import (
     Station,
     command_long,
     heartbeat,
+    kind_of,
 )
 
 HEARTBEAT, ATTITUDE, POSITION, FOLLOW_TARGET, EXTENDED_STATE = 0, 30, 32, 144, 245
@@ -50,10 +50,6 @@ IN_TEN_SECONDS = {
 }
 EACH = pytest.mark.parametrize("message_id", list(IN_TEN_SECONDS))
 RADIO = Station(51, 68)  # the ids of SiK radios
-
-
-def kind_of(message_id: int) -> str:
-    return str(dialect().mavlink_map[message_id].msgname)
 
 
 def count(ticks: list[Tick], message_id: int, link: int = 0) -> int:

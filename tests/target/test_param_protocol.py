@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import random
-import struct
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,16 +37,13 @@ from tests.target.stations import (
     TEMPORARILY_REJECTED,
     Station,
     decode,
+    float32,
 )
 
 LIST: list[dict[str, Any]] = flotilla.parameter_list()
 NAMES = [p["name"] for p in LIST]
 INDEX = {name: k for k, name in enumerate(NAMES)}
 DOES_NOT_EXIST, OUT_OF_RANGE, PERMISSION_DENIED, TYPE_MISMATCH = 1, 2, 3, 7
-
-
-def float32(value: float) -> float:
-    return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 def values(ticks: list[Tick], link: int = 0) -> list[Any]:
