@@ -19,7 +19,8 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.live.free_port import free_port
-from tests.linux.process import LOOPBACK, PROGRAM
+from tests.flotillad import needs_flotillad
+from tests.linux.process import LOOPBACK
 from tests.live_buses import live_buses
 
 _PATIENCE_S = 90.0
@@ -112,8 +113,7 @@ class LiveFleet:
 
 @pytest.fixture
 def fleet(tmp_path: Path) -> Iterator[LiveFleet]:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with live_buses() as bus, closing(LiveFleet(bus, tmp_path)) as fleet:
         yield fleet
         print(fleet.words())

@@ -18,8 +18,9 @@ from mavsdk.plugins.mission.mission import MissionError
 from sil.live.free_port import free_port
 from tests.clients.boat import Client
 from tests.clients.test_missions import Planner
+from tests.flotillad import needs_flotillad
 from tests.linux.conftest import bus
-from tests.linux.process import LOOPBACK, PROGRAM
+from tests.linux.process import LOOPBACK
 
 __all__ = ["bus"]
 
@@ -95,8 +96,7 @@ class LiveFleet:
 
 @pytest.fixture(params=[False, True], ids=["udp", "tcp"])
 def fleet(bus: int, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[LiveFleet]:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with closing(LiveFleet(bus, tmp_path, tcp=request.param)) as fleet:
         yield fleet
         print(fleet.words)
