@@ -56,3 +56,11 @@ def mavsdk(sea: Sea, home: Path) -> Iterator[MavsdkClient]:
 def mavproxy(sea: Sea, home: Path) -> Iterator[MavProxy]:
     with closing(MavProxy(sea, home)) as client:
         yield client
+
+
+@pytest.fixture
+def ready(sea: Sea, mavproxy: MavProxy) -> MavProxy:
+    """MAVProxy that has found the boat, and the boat fit to arm."""
+    mavproxy.until_it_says("online system 2")
+    sea.until(lambda: sea.armable)
+    return mavproxy

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
 from pathlib import Path
 
-import psutil
 import pytest
 from mavsdk.plugins.mission.mission import MissionError
 
@@ -21,6 +20,7 @@ from tests.clients.test_missions import Planner
 from tests.flotillad import needs_flotillad
 from tests.linux.conftest import bus
 from tests.linux.process import LOOPBACK
+from tests.live_buses import end_with_its_boats
 
 __all__ = ["bus"]
 
@@ -88,10 +88,7 @@ class LiveFleet:
             time.sleep(0.01)
 
     def close(self) -> None:
-        boats = psutil.Process(self._process.pid).children()
-        self._process.terminate()
-        assert self._process.wait(20.0) == 130
-        assert boats and not any(boat.is_running() for boat in boats)
+        end_with_its_boats(self._process)
 
 
 @pytest.fixture(params=[False, True], ids=["udp", "tcp"])
