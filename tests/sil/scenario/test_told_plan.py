@@ -8,7 +8,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.start import StartError
-from sil.lockstep.world import Run, sail
+from sil.lockstep.world import Run, all_sailed, sail
 from sil.scenario.agents import parameters_of
 from sil.scenario.scenario import ScenarioError, load
 from sil.scenario.told_plan import items_of
@@ -27,8 +27,7 @@ EXACT = [
 
 
 def sailed(*overrides: str) -> Run:
-    (run,) = sail([load("lead", [*FAST, *overrides])], {})
-    assert isinstance(run, Run), run
+    (run,) = all_sailed(sail([load("lead", [*FAST, *overrides])], {}))
     return run
 
 
