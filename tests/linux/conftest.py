@@ -3,6 +3,7 @@
 
 import fcntl
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -33,3 +34,10 @@ def sea(bus: int, tmp_path: Path) -> Iterator[RealSea]:
     needs_flotillad()
     with RealSea(bus, tmp_path) as sea:
         yield sea
+
+
+@pytest.fixture
+def opened() -> Iterator[ExitStack]:
+    """Closes what a test opens besides the sea's links."""
+    with ExitStack() as stack:
+        yield stack
