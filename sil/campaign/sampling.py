@@ -100,7 +100,10 @@ class Sampler:
             if self._wide_enough(drawn):
                 return drawn
         least_m = self.nominal.start_apart_m
-        raise ScenarioError(f"run {run}: no start in {_ATTEMPTS} draws is {least_m} m apart")
+        raise ScenarioError(
+            f"run {run}: no start in {_ATTEMPTS} draws is {least_m} m apart; "
+            "vary the starts more, or lower start_apart_m"
+        )
 
     def _wide_enough(self, drawn: Mapping[KeyPath, Value]) -> bool:
         """Whether boats start as far apart as the scenario demands."""

@@ -20,8 +20,7 @@ from rich.table import Table
 from sil.certificate.chain import Depth, chain
 from sil.certificate.references import references
 from sil.lockstep import metrics
-from sil.lockstep.start import RunError
-from sil.lockstep.world import sail
+from sil.lockstep.world import all_sailed, sail
 from sil.scenario import scenario
 from sil.scenario.arguments import parameters_of
 from sil.scenario.law import LAWS, Law
@@ -48,9 +47,7 @@ def compare(name: str, law: Law | None, parameters: dict[str, float], delay_s: f
     """Certify a scenario's worst chain behind its first reference, and sail the scenario."""
     chosen = scenario.load(name, [f"link.delay_s={delay_s}"], law)
     found = chain(chosen, references(chosen)[0], parameters, most=len(chosen.boat))
-    (run,) = sail([chosen], parameters, keep_s=_KEEP_S)
-    if isinstance(run, RunError):
-        raise run
+    (run,) = all_sailed(sail([chosen], parameters, keep_s=_KEEP_S))
     trace = run.trace
     late = trace["t_s"] >= _SETTLED_S
     third = trace["t_s"] >= trace["t_s"][-1] * 2.0 / 3.0

@@ -30,7 +30,7 @@ def check(folder: Path, also: Path | None) -> None:
     files.check_folder(folder, folder)
     if also is not None:
         if also.is_dir():
-            raise OSError(f"{also}: is a folder")
+            raise OSError(f"{also}: is a folder; name a file")
         files.check_folder(also.parent, also)
 
 

@@ -15,6 +15,7 @@ from typing import Any
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.doctor.boat_file import Link
+from sil.wire import signing
 from sil.wire.mavlink_mcast import udp_place
 from sil.wire.serial_line import open_line
 
@@ -127,7 +128,7 @@ class Post:
         if key is not None:
             self._mouth.signing.secret_key = key
             self._mouth.signing.sign_outgoing = True
-            self._mouth.signing.timestamp = round((time.time() - 1_420_070_400) * 1e5)
+            self._mouth.signing.timestamp = signing.now()
         for message in (
             mavlink.MAVLink_heartbeat_message(
                 mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3
@@ -140,8 +141,9 @@ class Post:
         try:
             if self._socket is None:
                 os.write(self._end, data)
-            for peer in self._peers if self._socket is not None else ():
-                self._socket.sendto(data, peer)  # type: ignore[union-attr]
+                return
+            for peer in self._peers:
+                self._socket.sendto(data, peer)
         except OSError:
             return  # the peer is gone; its silence is judged later
 

@@ -21,7 +21,6 @@ from rich.progress import track
 from rich.table import Table
 
 from sil import ROOT
-from sil.scenario import law, scenario
 
 CORE = ROOT / "firmware" / "core"
 FOLDER = ROOT / "build" / "ranges" / "sil" / "native" / "module"
@@ -97,8 +96,9 @@ def merged(a: Mapping[str, Most], b: Mapping[str, Most]) -> dict[str, Most]:
 
 def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
     """Sail every scenario, at most `seconds` each; return the maxima of each run."""
-    from sil.lockstep.start import RunError  # noqa: PLC0415 these import flotilla
-    from sil.lockstep.world import sail  # noqa: PLC0415
+    # these import flotilla, which must be the module of `observed`
+    from sil.lockstep.world import all_sailed, sail  # noqa: PLC0415
+    from sil.scenario import law, scenario  # noqa: PLC0415
 
     for path in sorted(scenario.FOLDER.glob("*.toml")):
         silence = [_SILENCE] if path.stem == "diamond" else []
@@ -108,9 +108,7 @@ def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
             whole = scenario.load(path, [*silence, "scalar='q16'"], chosen)
             one = whole.model_copy(update={"duration_s": min(whole.duration_s, seconds)})
             library.q16_take_seen()
-            (run,) = sail([one], {})
-            if isinstance(run, RunError):
-                raise run
+            all_sailed(sail([one], {}))
             yield seen(library.q16_take_seen().decode(), f"{one.name}, {chosen}")
 
 

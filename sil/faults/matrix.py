@@ -8,13 +8,13 @@ import numpy as np
 
 from sil.faults.fault_outcome import Outcome
 from sil.faults.rows import Row
-from sil.faults.watch import CENTRED_S, STATES, States, Watch
+from sil.faults.watch import CENTRED_S, OFF, STATES, States, Watch
+from sil.lockstep import metrics
 from sil.lockstep.start import RunError
 from sil.lockstep.world import Progress, Run, sail
 from sil.plant.hull import Array
 
 _NAMES = {number: name for name, number in STATES.items()}
-_OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
 _STEP_N = 0.01  # RawCommand quantises thrust to a few mN
 
 
@@ -35,7 +35,8 @@ def sail_all(rows: Sequence[Row], progress: Progress = lambda _: None) -> list[O
         most_N = np.where(command > 0.0, pair.forward_max_N, pair.reverse_max_N)
         level_N = np.abs(command) * most_N
         begins_s = row.begins_s if row.fence_m is None else _left_s(row, run)
-        told = _Seen(row, 1.0 / one.rate_hz, watch.states[i, :ticks], level_N, _error_m(row, run))
+        error_m = metrics.distances(run.trace["error"][:, row.boat - 1])
+        told = _Seen(row, 1.0 / one.rate_hz, watch.states[i, :ticks], level_N, error_m)
         outcome = _heard(row, watch.texts[i], told.judge(begins_s))
         outcomes.append(_kept(row, run.trace["eta"][:, row.boat], 1.0 / one.rate_hz, outcome))
     return outcomes
@@ -72,11 +73,6 @@ def _left_s(row: Row, run: Run) -> float:
     return float(run.trace["t_s"][np.argmax(away_m > (row.fence_m or 0.0))])
 
 
-def _error_m(row: Row, run: Run) -> Array:
-    error: Array = np.hypot(*run.trace["error"][:, row.boat - 1, :2].T)
-    return error
-
-
 class _Seen:
     """One boat's run by ticks: states, commanded thrusts, distance from its slot."""
 
@@ -95,8 +91,9 @@ class _Seen:
         self._left = self._begin + int(left[0]) if len(left) else None
         if (self._states[: self._begin] != STATES["FORMATION"]).any():
             self._why.append("left FORMATION before anything went wrong")
-        detected_s = None if self._left is None else (self._left - self._begin) * self._h_s
-        detected_s = None if detected_s is None else round(detected_s, 6)
+        detected_s = None
+        if self._left is not None:
+            detected_s = round((self._left - self._begin) * self._h_s, 6)
         self._check_state(detected_s)
         thrust_N = self._thrust_after()
         recovered_s = self._recovered()
@@ -141,7 +138,7 @@ class _Seen:
 
     def _check_return(self) -> None:
         """A boat that needs the operator must not return to FORMATION before."""
-        begun = np.flatnonzero(np.isin(self._states[self._begin : self._end], _OFF))
+        begun = np.flatnonzero(np.isin(self._states[self._begin : self._end], OFF))
         if self._row.recovery != "operator" or not len(begun):
             return
         waiting = self._states[self._begin + int(begun[0]) : self._end]
@@ -174,7 +171,7 @@ class _Seen:
         if self._left is None:
             return 0.0
         begin, late = self._left, round(self._row.off_s / self._h_s)
-        off = np.isin(self._states, _OFF)
+        off = np.isin(self._states, OFF)
         off[:begin] = False
         still = off.copy()
         for lag in range(1, late + 1):

@@ -9,7 +9,7 @@ import numpy as np
 
 from sil.bench.bench_fleet import resident_now_kB
 from sil.faults.rows import FOLDER
-from sil.faults.watch import STATES, ask
+from sil.faults.watch import OFF, RETRY_S, STATES, ask
 from sil.lockstep.batch import Batch
 from sil.lockstep.policies import violations
 from sil.lockstep.recording import Recorder
@@ -23,10 +23,8 @@ from sil.scenario.sections import Fault
 RECOVERED_S = 60.0
 _QUIET_S = (2.0, 6.0)
 _WELL_S = 3.0
-_RETRY_S = 0.5
 _WARM, _MOST_MB = 3, 5.0  # hours until memory is steady; greatest growth after that
 _OFF_S = 0.27  # an ESC stops within this time without a command
-_OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
 
 _KINDS = [kind for kind in KINDS.values() if kind.drawn is not None]
 
@@ -131,7 +129,7 @@ class _Sea:
             self._next = k + self._in(self._rng.uniform(*_QUIET_S))
         elif late_s > RECOVERED_S:
             self._soaked.wrong.append(f"{self._fault!r}: not recovered by tick {k}: {states}")
-        elif (k - self._ended) % self._in(_RETRY_S) == 0:
+        elif (k - self._ended) % self._in(RETRY_S) == 0:
             ask(self._batch, self._batch.agents(0), states, t_us)
 
     def _drawn(self) -> Fault:
@@ -153,7 +151,7 @@ class _Sea:
         return Fault.model_validate(found)
 
     def _check(self, k: int) -> None:
-        off = np.isin(self._batch.states[0], _OFF)
+        off = np.isin(self._batch.states[0], OFF)
         self._off = np.where(off, self._off + 1, 0)
         told = np.abs(self._batch.command)
         fault = self._fault

@@ -15,11 +15,14 @@ from sil.wire.heartbeat import FORMATION, HOLD, MANUAL
 from sil.wire.mavlink_frames import frames
 from sil.wire.operator import Operator, mode_request, next_request
 
-_RETRY_S, _STICKS_S = 0.5, 0.1
+RETRY_S = 0.5  # the operator asks again after this time
+_STICKS_S = 0.1
 #: Sticks after `home_s`: ahead, then at neutral, then ahead again.
 CENTRED_S, AHEAD_S = 2.0, 2.3
 States = npt.NDArray[np.uint8]
 STATES: dict[str, int] = {name: i for i, name in enumerate(flotilla.STATES)}
+#: States in which no thrust may be commanded.
+OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
 
 
 class Watch:
@@ -85,5 +88,5 @@ def _texts(sent: bytes) -> Iterator[str]:
             yield mavlink.MAVLink(None).decode(bytearray(frame)).text
 
 
-def _due(late_s: float, h_us: int, every_s: float = _RETRY_S) -> bool:
+def _due(late_s: float, h_us: int, every_s: float = RETRY_S) -> bool:
     return round(1e6 * late_s) % round(1e6 * every_s) < h_us

@@ -78,15 +78,14 @@ class RealTime:
         return select.select(ends, [], [], for_s)[0]
 
 
-class UdpIn(End):
-    """Waits at an address for boats that send there; never ends."""
+class _Udp(End):
+    """A socket for datagrams, which `begin` binds or connects; never ends."""
 
-    def __init__(self, address: str, at: tuple[str, int]) -> None:
+    def __init__(self, address: str, begin: Callable[[socket.socket], None]) -> None:
         self.address = address
-        self._peers: dict[Peer, None] = {}
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
-            self._socket.bind(at)
+            begin(self._socket)
         except OSError:
             self._socket.close()
             raise
@@ -95,6 +94,18 @@ class UdpIn(End):
     def fileno(self) -> int:
         """The socket's."""
         return self._socket.fileno()
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+
+class UdpIn(_Udp):
+    """Waits at an address for boats that send there."""
+
+    def __init__(self, address: str, at: tuple[str, int]) -> None:
+        super().__init__(address, lambda end: end.bind(at))
+        self._peers: dict[Peer, None] = {}
 
     def receive(self) -> list[tuple[Peer, bytes]]:
         """The datagrams that have come."""
@@ -112,27 +123,12 @@ class UdpIn(End):
             with suppress(OSError):
                 self._socket.sendto(frame, each or ("", 0))
 
-    def close(self) -> None:
-        """Close the socket."""
-        self._socket.close()
 
-
-class UdpOut(End):
-    """Sends to an address, and receives answers from there; never ends."""
+class UdpOut(_Udp):
+    """Sends to an address, and receives answers from there."""
 
     def __init__(self, address: str, to: tuple[str, int]) -> None:
-        self.address = address
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            self._socket.connect(to)
-        except OSError:
-            self._socket.close()
-            raise
-        self._socket.setblocking(False)
-
-    def fileno(self) -> int:
-        """The socket's."""
-        return self._socket.fileno()
+        super().__init__(address, lambda end: end.connect(to))
 
     def receive(self) -> list[tuple[Peer, bytes]]:
         """The datagrams that have come."""
@@ -146,10 +142,6 @@ class UdpOut(End):
         """Send a datagram; it is lost if no program listens."""
         with suppress(OSError):
             self._socket.send(frame)
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._socket.close()
 
 
 class Stream(End):

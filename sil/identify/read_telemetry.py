@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import closing
 from itertools import chain
-from math import atan2, cos, inf, radians, sin
+from math import inf, radians
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from pymavlink.dialects.v20 import common as mavlink
 from sil.identify.series import Series
 from sil.identify.voyage_log import BadLogError, VoyageLog
 from sil.logs import candump, tlog_reader
+from sil.wire.axes import aboard, yaw
 from sil.wire.dronecan import RAW_COMMAND, RawCommand
 from sil.wire.dronecan_transfer import Receiver, message_subject
 from sil.wire.tlog import packets
@@ -150,16 +151,13 @@ def _motion(series: Series, t_s: float, name: str, message: Any) -> None:
     if name == _LOCAL:
         series.velocity.append((t_s, message.vx, message.vy))
         return
-    q0, q1, q2, q3 = message.q
-    yaw = atan2(2.0 * (q0 * q3 + q1 * q2), 1.0 - 2.0 * (q2 * q2 + q3 * q3))
-    series.heading.append((t_s, yaw))
+    psi = yaw(*message.q)
+    series.heading.append((t_s, psi))
     series.rate.append((t_s, message.yawspeed))
-    ahead, aside = message.vx, message.vy
+    velocity = message.vx, message.vy
     if message.child_frame_id == mavlink.MAV_FRAME_LOCAL_NED:
-        north, east = ahead, aside
-        ahead = cos(yaw) * north + sin(yaw) * east
-        aside = cos(yaw) * east - sin(yaw) * north
-    series.velocity.append((t_s, ahead, aside))
+        velocity = aboard(psi, *velocity)
+    series.velocity.append((t_s, *velocity))
 
 
 def _buses_beside(path: Path, first_s: float, last_s: float) -> list[Path]:

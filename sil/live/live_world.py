@@ -104,15 +104,9 @@ class LiveWorld:
         clocks = clocks_of(scenario)
         self._parameters = parameters_of(scenario, param_overrides)
         self._command: Array = np.zeros((len(scenario.boat), 2))
-        # Compile the kernels now, not while the boats are under way.
-        spare = bodies_of([scenario])
         self._leader_boat = scenario.leader.boat
         led = {0: self._parameters[self._leader_boat - 1]} if self._leader_boat else {}
         self._leaders = VirtualLeaders([scenario], led)
-        self._leaders.advance(0, spare, self._command, 0)
-        Tracer([scenario], spare, [slots_of(self._parameters)]).note(
-            0, np.zeros(len(scenario.boat), np.uint8)
-        )
         self._bodies = bodies_of([scenario])
         self._sensors = Sensors(
             [scenario.navigation.noise],

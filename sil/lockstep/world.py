@@ -4,7 +4,7 @@
 One run or many use the same code and give the same bits: see `sil.lockstep.batch`.
 """
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,9 +59,7 @@ class World:
         scenarios = [self._scenario]
         room = len(self._scenario.boat) <= MOST_BOATS
         record = recording if room else None
-        (run,) = sail(scenarios, self._overrides, record=record, progress=progress)
-        if isinstance(run, RunError):
-            raise run
+        (run,) = all_sailed(sail(scenarios, self._overrides, record=record, progress=progress))
         return run
 
 
@@ -108,6 +106,16 @@ def sail(
     for members in alike.values():
         order.sail(members, scenarios, results)
     return [results[i] for i in range(len(scenarios))]
+
+
+def all_sailed(results: Iterable[Run | RunError]) -> list[Run]:
+    """The runs that `sail` returned; raises its first error, if any."""
+    runs = []
+    for result in results:
+        if isinstance(result, RunError):
+            raise result
+        runs.append(result)
+    return runs
 
 
 def _shape(scenario: Scenario) -> Hashable:

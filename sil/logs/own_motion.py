@@ -12,7 +12,7 @@ values, noise and delay included, and the last command to each propeller until t
 """
 
 from collections.abc import Iterable, Iterator
-from math import atan2, cos, remainder, sin, tau
+from math import remainder, tau
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from pymavlink.dialects.v20 import common as mavlink
 from sil.common import files
 from sil.lockstep.recording import CAN_OUT, MAVLINK_IN, Recording
 from sil.logs import candump
+from sil.wire.axes import aboard, yaw
 from sil.wire.dronecan import RAW_COMMAND, RawCommand
 from sil.wire.dronecan_transfer import Receiver, message_subject
 from sil.wire.mavlink_frames import frames
@@ -104,13 +105,13 @@ class OwnMotion:
             psi, r = self._attitude.yaw, self._attitude.yawspeed
             since_ms = (message.time_boot_ms - self._attitude.time_boot_ms + _HALF) % (2 * _HALF)
             psi = remainder(psi + 1e-3 * (since_ms - _HALF) * r, tau)
-            return message.x, message.y, psi, *_aboard(psi, message.vx, message.vy), r
+            return message.x, message.y, psi, *aboard(psi, message.vx, message.vy), r
         if message.frame_id != mavlink.MAV_FRAME_LOCAL_NED:
             return None
-        psi = _yaw(message.q)
+        psi = yaw(*message.q)
         velocity = message.vx, message.vy
         if message.child_frame_id == mavlink.MAV_FRAME_LOCAL_NED:
-            velocity = _aboard(psi, *velocity)
+            velocity = aboard(psi, *velocity)
         elif message.child_frame_id not in _ABOARD:
             return None
         return message.x, message.y, psi, *velocity, message.yawspeed
@@ -178,12 +179,3 @@ def _rows(events: Iterable[_Event], motion: OwnMotion) -> Iterator[Row]:
             yield from motion.on_mavlink(event.t_us, event.data)
         else:
             motion.on_can(event.t_us, event.can_id, event.data)
-
-
-def _aboard(psi: float, north: float, east: float) -> tuple[float, float]:
-    return cos(psi) * north + sin(psi) * east, cos(psi) * east - sin(psi) * north
-
-
-def _yaw(q: Any) -> float:
-    w, x, y, z = q
-    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

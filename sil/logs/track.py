@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """A vessel's pose, from any of the messages that contain it, and its slot."""
 
-from math import atan2, cos, isfinite, nan, sin
+from math import isfinite, nan
 from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.logs.output import FAR_M, Origin, Output, Pose, frame_of
+from sil.wire.axes import aboard, yaw
 
 _LOCAL, _ODOMETRY, _ATTITUDE, _GLOBAL, _FOLLOW, _SLOT = _KINDS = (
     mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
@@ -63,26 +64,26 @@ class Track:
         if kind == _LOCAL:
             velocity = message.vx, message.vy
             x, y, turned = self._in_world(message.x, message.y, psi)
-            return Pose(x, y, turned, *_aboard(psi, *velocity), r)
+            return Pose(x, y, turned, *aboard(psi, *velocity), r)
         world, origin = self._output.world, self._output.origin
         if world is None or origin is None:
             return None
         if kind == _FOLLOW:
             velocity = tuple(message.vel[:2])
             if message.est_capabilities & _TELLS_ATTITUDE:
-                psi, r = _yaw(message.attitude_q), message.rates[2]
+                psi, r = yaw(*message.attitude_q), message.rates[2]
         else:
             velocity = 0.01 * message.vx, 0.01 * message.vy
         here = frame_of((message.lat, message.lon, origin[2]))
         x, y, turned = here.seen_from(world, 0.0, 0.0, psi)
-        return Pose(x, y, turned, *_aboard(psi, *velocity), r)
+        return Pose(x, y, turned, *aboard(psi, *velocity), r)
 
     def _of_odometry(self, message: Any) -> Pose | None:
         """The pose of an ODOMETRY: position in LOCAL_NED, velocity in body axes."""
         frames = (message.frame_id, message.child_frame_id)
         if frames != (mavlink.MAV_FRAME_LOCAL_NED, mavlink.MAV_FRAME_BODY_FRD):
             return None
-        x, y, psi = self._in_world(message.x, message.y, _yaw(message.q))
+        x, y, psi = self._in_world(message.x, message.y, yaw(*message.q))
         return Pose(x, y, psi, message.vx, message.vy, message.yawspeed)
 
     def _in_world(self, x: float, y: float, psi: float) -> tuple[float, float, float]:
@@ -101,12 +102,3 @@ class Track:
 def origin_of(message: Any) -> Origin:
     """The origin in a GPS_GLOBAL_ORIGIN."""
     return message.latitude, message.longitude, message.altitude
-
-
-def _aboard(psi: float, north: float, east: float) -> tuple[float, float]:
-    return cos(psi) * north + sin(psi) * east, cos(psi) * east - sin(psi) * north
-
-
-def _yaw(q: Any) -> float:
-    w, x, y, z = q
-    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from sil.lockstep.start import RunError
+from sil.lockstep.world import all_sailed
 from sil.lockstep.world import sail as sail_flotilla
 from sil.rivals import helm_world, line_of_sight, rover
 from sil.rivals.helm import Helm, Seen
@@ -102,11 +102,8 @@ def sail(
     scenarios = [one.model_copy(update={"duration_s": longest_s}) for one in scenarios]
     is_fleet = name in (OURS, "Rover")
     if name == OURS:
-        eta = []
-        for run in sail_flotilla(scenarios, {}, keep_s=KEEP_S):
-            if isinstance(run, RunError):
-                raise run
-            eta.append(run.trace["eta"][:, 1:])
+        runs = all_sailed(sail_flotilla(scenarios, {}, keep_s=KEEP_S))
+        eta = [run.trace["eta"][:, 1:] for run in runs]
     else:
         eta = helm_world.sail(scenarios, crew_of(name, gains or GAINS[name]), KEEP_S)
     judged = zip(routes, scenarios, eta, strict=True)

@@ -7,13 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from sil.plant.hull import Array
-from sil.scenario.wiring import ORIGIN
-from sil.wire.geodesy import LocalFrame
+from sil.scenario.wiring import ORIGIN, WORLD
 from sil.wire.navigation_unit import Settings
 
 Degrees = npt.NDArray[np.int32]
 
-_WORLD = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
 _FAR_M = 1e7
 
 
@@ -27,7 +25,7 @@ class Told:
 
     def __init__(self, units: Sequence[Settings]) -> None:
         self._frames = {
-            agent: _WORLD.moved(*unit.origin_m)
+            agent: WORLD.moved(*unit.origin_m)
             for agent, unit in enumerate(units)
             if any(unit.origin_m)
         }
@@ -38,7 +36,7 @@ class Told:
         self.origins = [(*begins.get(a, ORIGIN[:2]), ORIGIN[2]) for a in range(len(units))]
         self.degE7: Degrees | None = np.zeros((len(units), 2), np.int32) if self._on_globe else None
         self._eta = np.empty((len(units), 3))
-        start = _WORLD.geodetic(0.0, 0.0, 0.0)
+        start = WORLD.geodetic(0.0, 0.0, 0.0)
         self._last = dict.fromkeys(self._on_globe, start)
 
     def poses(self, eta: Array) -> Array:
@@ -47,12 +45,12 @@ class Told:
             return eta
         self._eta[:] = eta
         for agent, frame in self._frames.items():
-            self._eta[agent] = _WORLD.seen_from(frame, *eta[agent].tolist())
+            self._eta[agent] = WORLD.seen_from(frame, *eta[agent].tolist())
         for agent in self._on_globe:
             pose = eta[agent].tolist()
             # a diverging run must still reach its end
             if all(abs(number) < _FAR_M for number in pose):
-                self._last[agent] = _WORLD.geodetic(*pose)
+                self._last[agent] = WORLD.geodetic(*pose)
             latitude, longitude, self._eta[agent, 2] = self._last[agent]
             assert self.degE7 is not None
             self.degE7[agent] = latitude, longitude

@@ -12,13 +12,10 @@ import numpy as np
 from sil.plant.hull import Array
 from sil.scenario.route import PLANS_LARGEST_M
 from sil.scenario.sections import Leader
-from sil.scenario.wiring import ORIGIN
+from sil.scenario.wiring import HEIGHT_M, WORLD
 from sil.wire.formation_reference import Ear
-from sil.wire.geodesy import LocalFrame
 from sil.wire.plan_upload import PlanItem, speed_item, voyage_item, waypoint_item
 
-_HEIGHT_M = 0.001 * ORIGIN[2]
-_WORLD = LocalFrame(*ORIGIN[:2], _HEIGHT_M)
 _SILENT_US = 1_000_000
 _AROUND_S = 5.0  # search window for the plan time, to either side of agent 0
 _GAIN = 5.0  # 1/s
@@ -32,7 +29,7 @@ def items_of(leader: Leader) -> list[PlanItem]:
     A voyage that measures the hull replaces the last waypoint.
     """
     radius_m = 0.0 if leader.corner_radius_m is None else PLANS_LARGEST_M
-    places = [_WORLD.geodetic(north, east, 0.0) for north, east in leader.waypoints[1:]]
+    places = [WORLD.geodetic(north, east, 0.0) for north, east in leader.waypoints[1:]]
     points = [waypoint_item(place.latitude, place.longitude, radius_m) for place in places]
     if leader.voyage_room_m is not None:
         share, room_m = leader.voyage_share, leader.voyage_room_m
@@ -45,7 +42,7 @@ class ToldPlan:
 
     def __init__(self, motion: Array, h_s: float, system: int) -> None:
         self._motion, self._h_s = motion, h_s
-        self._ear = Ear(system, _WORLD, _HEIGHT_M)
+        self._ear = Ear(system, WORLD, HEIGHT_M)
         self._at = 0.0  # ticks since the plan began
         self._behind = 0.0  # ticks
         self._heard_us: int | None = None

@@ -11,7 +11,7 @@ from flotilla import kernels
 
 from sil.lockstep.recording import MAVLINK_IN, MAVLINK_OUT, Recording
 from sil.plant.hull import Array
-from sil.scenario.wiring import ORIGIN
+from sil.scenario.wiring import HEIGHT_M, WORLD
 from sil.view.changes import Changes
 from sil.view.history import SIDES, column
 from sil.view.seen_plan import Plans, drawn
@@ -31,7 +31,6 @@ _PLANS = (
     messages.MISSION_ITEM_INT,
 )
 _HEARD = MAVLINK_IN + 1
-_WORLD = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
 _SHOWN = (
     messages.HEARTBEAT,
     messages.SYS_STATUS,
@@ -177,9 +176,7 @@ def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -
 
 
 def _in_the_world(latitude: int, longitude: int) -> tuple[float, float]:
-    north, east, _ = LocalFrame(latitude, longitude, 0.001 * ORIGIN[2]).seen_from(
-        _WORLD, 0.0, 0.0, 0.0
-    )
+    north, east, _ = LocalFrame(latitude, longitude, HEIGHT_M).seen_from(WORLD, 0.0, 0.0, 0.0)
     return north, east
 
 

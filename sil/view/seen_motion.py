@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """A vessel's reported position, motion and slot. Times are s."""
 
-from math import atan2, cos, isfinite, sin
+from math import cos, isfinite, sin
 from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.view.validity import Validity
 from sil.wire import mavlink_messages as messages
+from sil.wire.axes import aboard, yaw
 
 Origin = tuple[int, int, int]
 """Latitude, longitude (degE7), altitude (mm)."""
@@ -51,8 +52,7 @@ class Motion:
         """Velocity over ground ahead and to starboard, m/s; None if unknown."""
         if self._velocity is None or self.psi_rad is None:
             return None, None
-        (north, east), c, s = self._velocity, cos(self.psi_rad), sin(self.psi_rad)
-        return c * north + s * east, c * east - s * north
+        return aboard(self.psi_rad, *self._velocity)
 
     def forget(self, before_s: float) -> None:
         """Drop a heading and a velocity older than `before_s`."""
@@ -88,7 +88,7 @@ class Motion:
         if frame != mavlink.MAV_FRAME_LOCAL_NED or not _finite(x, y, *q, u, v):
             return
         self._local = Place(now_s, False, x, y)
-        psi = _yaw(*q)
+        psi = yaw(*q)
         self._heads(psi, now_s)
         c, s = (1.0, 0.0) if child == mavlink.MAV_FRAME_LOCAL_NED else (cos(psi), sin(psi))
         self._moves(c * u - s * v, s * u + c * v, now_s)
@@ -108,7 +108,7 @@ class Motion:
         if capabilities & _VELOCITY and _finite(north, east):
             self._moves(north, east, now_s)
         if capabilities & _ATTITUDE and _finite(*q):
-            self._heads(_yaw(*q), now_s)
+            self._heads(yaw(*q), now_s)
 
     def _begins(self, f: tuple[Any, ...], _: float) -> None:
         if self.origin != f[:3]:
@@ -124,10 +124,6 @@ class Motion:
 
 def _finite(*numbers: float) -> bool:
     return all(map(isfinite, numbers))
-
-
-def _yaw(w: float, x: float, y: float, z: float) -> float:
-    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 _TAKE = {

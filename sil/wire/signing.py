@@ -66,7 +66,7 @@ class Signer:
 
     def sign(self, frame: bytes) -> bytes:
         """An unsigned MAVLink 2 frame with its signature."""
-        self._last = max(self._last + 1, _now())
+        self._last = max(self._last + 1, now())
         body = bytes([frame[1], _SIGNED]) + frame[3:-2]
         block = bytes([self._link]) + self._last.to_bytes(6, "little")
         whole = _checked(body) + block
@@ -75,7 +75,7 @@ class Signer:
     def verifies(self, frame: bytes) -> bool:
         """Whether a whole frame is signed with the key, is new, and is less than a minute old."""
         at, sender = self._stamp(frame), frame[5:7] + frame[-_BLOCK : 1 - _BLOCK]
-        if at is None or at <= self._heard.get(sender, _now() - _LATE):
+        if at is None or at <= self._heard.get(sender, now() - _LATE):
             return False
         self._heard[sender] = at
         return True
@@ -83,7 +83,7 @@ class Signer:
     def late_s(self, frame: bytes) -> float | None:
         """Age of a frame that is signed with the key and at least a minute old, s; else None."""
         at = self._stamp(frame)
-        late = 0 if at is None else _now() - at
+        late = 0 if at is None else now() - at
         return late / _PER_S if late >= _LATE else None
 
     def _stamp(self, frame: bytes) -> int | None:
@@ -104,5 +104,6 @@ def _checked(body: bytes) -> bytes:
     return bytes([MAGIC_2]) + body + struct.pack("<H", checksum)
 
 
-def _now() -> int:
+def now() -> int:
+    """The current time as signatures have it: in 10 us since 2015 (UTC)."""
     return round((time.time() - _EPOCH_S) * _PER_S)

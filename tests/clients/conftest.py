@@ -10,8 +10,8 @@ import pytest
 from tests.clients.boat import Sea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
+from tests.flotillad import needs_flotillad
 from tests.linux.conftest import bus
-from tests.linux.process import PROGRAM
 
 __all__ = ["bus"]
 
@@ -25,8 +25,7 @@ def autopilot() -> float:
 @pytest.fixture
 def sea(bus: int, tmp_path: Path, autopilot: float) -> Iterator[Sea]:
     """A boat's sea; prints all output at the end, which pytest shows if the test fails."""
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with Sea(bus, tmp_path, autopilot) as sea:
         yield sea
         print(sea.words)
@@ -57,3 +56,11 @@ def mavsdk(sea: Sea, home: Path) -> Iterator[MavsdkClient]:
 def mavproxy(sea: Sea, home: Path) -> Iterator[MavProxy]:
     with closing(MavProxy(sea, home)) as client:
         yield client
+
+
+@pytest.fixture
+def ready(sea: Sea, mavproxy: MavProxy) -> MavProxy:
+    """MAVProxy that has found the boat, and the boat fit to arm."""
+    mavproxy.until_it_says("online system 2")
+    sea.until(lambda: sea.armable)
+    return mavproxy

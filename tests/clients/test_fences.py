@@ -83,13 +83,6 @@ def lines(items: list[tuple[int, float, float, float]]) -> str:
     return "\n".join(rows) + "\n"
 
 
-@pytest.fixture
-def ready(sea: Sea, mavproxy: MavProxy) -> MavProxy:
-    mavproxy.until_it_says("online system 2")
-    sea.until(lambda: sea.armable)
-    return mavproxy
-
-
 def test_mavproxy_loads_lists_switches_and_clears_a_fence(ready: MavProxy, tmp_path: Path) -> None:
     file = tmp_path / "fence.txt"
     file.write_text(

@@ -13,14 +13,14 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-import psutil
 import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.live.free_port import free_port
-from tests.linux.process import LOOPBACK, PROGRAM
-from tests.live_buses import live_buses
+from tests.flotillad import needs_flotillad
+from tests.linux.process import LOOPBACK
+from tests.live_buses import end_with_its_boats, live_buses
 
 _PATIENCE_S = 90.0
 _COMMAND = (sys.executable, "-m", "sil")
@@ -104,16 +104,12 @@ class LiveFleet:
                 self.command(self.by_udp, "follow", "--boats=2,3,4")
 
     def close(self) -> None:
-        boats = psutil.Process(self._process.pid).children()
-        self._process.terminate()
-        assert self._process.wait(20.0) == 130
-        assert boats and not any(boat.is_running() for boat in boats)
+        end_with_its_boats(self._process)
 
 
 @pytest.fixture
 def fleet(tmp_path: Path) -> Iterator[LiveFleet]:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with live_buses() as bus, closing(LiveFleet(bus, tmp_path)) as fleet:
         yield fleet
         print(fleet.words())

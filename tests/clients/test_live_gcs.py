@@ -11,15 +11,16 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
 from pathlib import Path
 
-import psutil
 import pytest
 from mavsdk.plugins.mission.mission import MissionError
 
 from sil.live.free_port import free_port
 from tests.clients.boat import Client
 from tests.clients.test_missions import Planner
+from tests.flotillad import needs_flotillad
 from tests.linux.conftest import bus
-from tests.linux.process import LOOPBACK, PROGRAM
+from tests.linux.process import LOOPBACK
+from tests.live_buses import end_with_its_boats
 
 __all__ = ["bus"]
 
@@ -87,16 +88,12 @@ class LiveFleet:
             time.sleep(0.01)
 
     def close(self) -> None:
-        boats = psutil.Process(self._process.pid).children()
-        self._process.terminate()
-        assert self._process.wait(20.0) == 130
-        assert boats and not any(boat.is_running() for boat in boats)
+        end_with_its_boats(self._process)
 
 
 @pytest.fixture(params=[False, True], ids=["udp", "tcp"])
 def fleet(bus: int, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[LiveFleet]:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with closing(LiveFleet(bus, tmp_path, tcp=request.param)) as fleet:
         yield fleet
         print(fleet.words)

@@ -20,8 +20,9 @@ from mavsdk.plugins.log_files.log_files import LogFilesError, LogFilesResult
 from tests.clients.boat import BOTH_IDENTITIES, Sea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
+from tests.flotillad import needs_flotillad
 from tests.linux.conftest import bus
-from tests.linux.process import LOOPBACK, PROGRAM
+from tests.linux.process import LOOPBACK
 
 __all__ = ["bus"]
 
@@ -98,8 +99,7 @@ def share(request: pytest.FixtureRequest) -> float:
 
 @pytest.fixture
 def sea(bus: int, tmp_path: Path, autopilot: float, share: float) -> Iterator[LogSea]:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with LogSea(bus, tmp_path, autopilot, share) as sea, closing(sea.losses):
         yield sea
         print(sea.words)

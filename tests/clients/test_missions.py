@@ -139,13 +139,6 @@ WPL = """QGC WPL 110
 """
 
 
-@pytest.fixture
-def ready(sea: Sea, mavproxy: MavProxy) -> MavProxy:
-    mavproxy.until_it_says("online system 2")
-    sea.until(lambda: sea.armable)
-    return mavproxy
-
-
 def test_mavproxy_loads_lists_sets_sails_and_clears_a_plan(
     sea: Sea, ready: MavProxy, tmp_path: Path
 ) -> None:

@@ -3,11 +3,13 @@
 
 import fcntl
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
-from tests.linux.process import PROGRAM, RealSea
+from tests.flotillad import needs_flotillad
+from tests.linux.process import RealSea
 
 BUSES = (5, 6, 7)  # live simulations have 0 to 4, the tests of firmware/ 8 and 9
 
@@ -29,7 +31,13 @@ def bus() -> Iterator[int]:
 @pytest.fixture
 def sea(bus: int, tmp_path: Path) -> Iterator[RealSea]:
     """A sea whose flotillad has not been started: call start()."""
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with RealSea(bus, tmp_path) as sea:
         yield sea
+
+
+@pytest.fixture
+def opened() -> Iterator[ExitStack]:
+    """Closes what a test opens besides the sea's links."""
+    with ExitStack() as stack:
+        yield stack

@@ -28,6 +28,7 @@ from sil.live.parameter_file import set_up
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
 from tests.dialect import dialect
+from tests.flotillad import FLOTILLAD
 from tests.target.agent import Agent
 from tests.target.bus import ARMING_STATUS, RAW_COMMAND, Frames, commands, type_of
 from tests.target.course import TURN, Course
@@ -47,7 +48,6 @@ from tests.target.stations import (
 )
 
 ROOT = Path(__file__).parents[2]
-PROGRAM = ROOT / "build" / "release" / "firmware" / "flotillad"
 LOOPBACK = "127.0.0.1"
 STORAGE = mavlink.MAV_CMD_PREFLIGHT_STORAGE
 
@@ -165,7 +165,7 @@ class Flotillad:
         environment: dict[str, str] | None = None,
         prefix: Sequence[str] = (),
         mouth: int | None = None,
-        program: Path = PROGRAM,
+        program: Path = FLOTILLAD,
     ) -> None:
         self._words = folder / "words"
         with self._words.open("wb") as words:
@@ -207,7 +207,7 @@ class RealSea:
     def __init__(self, bus: int, folder: Path) -> None:
         self.bus = bus
         self.folder = folder
-        self.program = PROGRAM
+        self.program = FLOTILLAD
         self.state_dir = folder / "state"
         self.set_up = True  # parameters were saved before the first start
         self.boat: Flotillad | None = None

@@ -9,7 +9,6 @@ import stat
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -30,12 +29,6 @@ def keys(tmp_path: Path) -> dict[str, Path]:
         file.write_bytes(key)
         file.chmod(stat.S_IRUSR)
     return files
-
-
-@pytest.fixture
-def opened() -> Iterator[ExitStack]:
-    with ExitStack() as stack:
-        yield stack
 
 
 def relay(boat: Serial, operator: Serial, stack: ExitStack) -> None:

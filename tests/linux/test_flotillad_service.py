@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.linux.process import PROGRAM, ROOT
+from tests.flotillad import FLOTILLAD, needs_flotillad
+from tests.linux.process import ROOT
 
 FOLDER = ROOT / "firmware" / "linux"
 UNIT = FOLDER / "flotillad.service"
@@ -58,17 +59,16 @@ def test_systemd_rates_the_units_exposure_below_the_limit(
     ("spoil", "complaint"),
     [
         (lambda text: text, ""),
-        (lambda text: text.replace(str(PROGRAM), f"{PROGRAM}-absent"), "is not executable"),
+        (lambda text: text.replace(str(FLOTILLAD), f"{FLOTILLAD}-absent"), "is not executable"),
         (lambda text: text.replace("WatchdogSec=1", "WatchdogSec=soon"), "Failed to parse"),
     ],
 )
 def test_systemd_understands_every_line(
     tmp_path: Path, spoil: Callable[[str], str], complaint: str
 ) -> None:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     unit = tmp_path / "flotillad.service"
-    unit.write_text(spoil(UNIT.read_text().replace(str(INSTALLED), str(PROGRAM))))
+    unit.write_text(spoil(UNIT.read_text().replace(str(INSTALLED), str(FLOTILLAD))))
     # The manual is in the package. Other units of this machine may contain mistakes.
     done = analyze("verify", "--man=no", unit)
     said = [line for line in done.stderr.splitlines() if unit.name in line]

@@ -4,12 +4,11 @@
 import pytest
 
 from sil.examples.my_simulator import sail
-from tests.linux.process import PROGRAM
+from tests.flotillad import FLOTILLAD, needs_flotillad
 
 
 @pytest.mark.filterwarnings("ignore:The 'bustype' argument is deprecated")  # by dronecan
 def test_boat_of_another_simulator_sails_to_its_slot(bus: int) -> None:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     # a second attempt, as a busy machine may stop the boat
-    assert sail(str(PROGRAM), bus) < 0.2 or sail(str(PROGRAM), bus) < 0.2
+    assert sail(str(FLOTILLAD), bus) < 0.2 or sail(str(FLOTILLAD), bus) < 0.2

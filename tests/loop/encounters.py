@@ -29,7 +29,7 @@ from rich.progress import track
 
 from sil.lockstep import metrics
 from sil.lockstep.batch import Batch
-from sil.lockstep.world import Run, sail
+from sil.lockstep.world import Run, all_sailed, sail
 from sil.plant.hull import Array
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
@@ -206,7 +206,7 @@ def judged(one: Encounter, run: Run) -> Passing:
 
 def encounters(hull: str, numbers: Sequence[int], duration_s: float = 90.0) -> list[Passing]:
     """Each encounter's end; `duration_s` for a boat of SHORTEST_M."""
-    found = []
+    found: list[Passing] = []
     north = SLOT_NORTH_M * scale(hull)
     slot = boat_at(hull, [north, 0.0], [north, 0.0, 0.0])
     last_s = round(duration_s * scale(hull), 1)
@@ -217,10 +217,8 @@ def encounters(hull: str, numbers: Sequence[int], duration_s: float = 90.0) -> l
                 scenario_of(one.seed, last_s, leader_at(one.slot_mps) + slot, Path(folder))
                 for one in met
             ]
-            for one, run in zip(met, sail(scenarios, {}, watch=Strangers(met)), strict=True):
-                if not isinstance(run, Run):
-                    raise run
-                found.append(judged(one, run))
+            runs = all_sailed(sail(scenarios, {}, watch=Strangers(met)))
+            found += map(judged, met, runs)
     return found
 
 
@@ -267,9 +265,7 @@ def crowds(hull: str, numbers: Sequence[int], one: Crowd) -> Array:
     found = []
     with TemporaryDirectory() as folder:
         for n in track(numbers, f"{hull}, {one.boats} boats", transient=True):
-            (run,) = sail([crowd(hull, n, one, Path(folder))], {}, keep_s=0.05)
-            if not isinstance(run, Run):
-                raise run
+            (run,) = all_sailed(sail([crowd(hull, n, one, Path(folder))], {}, keep_s=0.05))
             least = (metrics.min_separation_m(run.trace["eta"]) or 0.0) / guard_m(hull)
             off = float(metrics.distances(run.trace["error"])[-1].max()) / scale(hull)
             found.append((least, off))

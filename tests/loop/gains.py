@@ -14,7 +14,6 @@ import argparse
 from dataclasses import dataclass
 
 import flotilla
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -27,7 +26,7 @@ from sil.lockstep.world import Run, sail
 from sil.scenario import presets, scenario
 from sil.scenario.presets import DERIVED
 from sil.scenario.scenario import Scenario
-from tests.loop.presets import BOATS, OF_THE_PAPERS_HULL, alike
+from tests.loop.presets import BOATS, OF_THE_PAPERS_HULL, alike, worst_rms_m
 
 _PLACES = {"LAW_KDU": 1, "LAW_KDR": 1, "LAW_XT_DIST": 2}
 
@@ -60,9 +59,7 @@ def found_of(run: Run | RunError) -> Found:
     """How a fleet sailed."""
     if not isinstance(run, Run):
         return Found(float("nan"), str(run))
-    off_m = np.hypot(run.trace["error"][..., 0], run.trace["error"][..., 1])
-    rms_m = np.sqrt((off_m[len(off_m) * 2 // 3 :] ** 2).mean(axis=0)).max()
-    return Found(float(rms_m), _left(run))
+    return Found(worst_rms_m(run.trace["error"]), _left(run))
 
 
 def _left(run: Run) -> str:

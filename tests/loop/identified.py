@@ -35,7 +35,7 @@ from sil.identify.vessel_numbers import RATES_RADPS, SPEEDS_MPS
 from sil.identify.voyage_log import SAMPLE_S, Array, BadLogError, VoyageLog
 from sil.identify.voyage_model import Body
 from sil.lockstep.start import RunError
-from sil.lockstep.world import sail
+from sil.lockstep.world import all_sailed, sail
 from sil.logs import own_motion
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
@@ -117,9 +117,7 @@ def voyage(chosen: Scenario) -> VoyageLog:
     """Sail a voyage; its log, of what went over the wires. Raises RunError."""
     with tempfile.TemporaryDirectory() as folder:
         recording, rows = Path(folder, "recording.bin"), Path(folder, "voyage.csv")
-        (run,) = sail([chosen], {}, record=recording)
-        if isinstance(run, RunError):
-            raise run
+        all_sailed(sail([chosen], {}, record=recording))
         own_motion.write(rows, own_motion.of_run(recording, 1))
         ((log,), _) = read([rows])
     return log

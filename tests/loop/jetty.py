@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from sil.lockstep import metrics
-from sil.lockstep.world import Run, sail
+from sil.lockstep.world import all_sailed, sail
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
 from tests.loop.presets import BOATS, GUARD, WEATHER, alike, length_m
@@ -73,9 +73,8 @@ def fleet(hull: str, number: int) -> Scenario:
 def outings(hull: str, numbers: Sequence[int]) -> list[Outing]:
     """The outings of these fleets of a hull; RunError where one does not start."""
     found = []
-    for run in sail([fleet(hull, number) for number in numbers], {}, keep_s=_KEPT_S):
-        if not isinstance(run, Run):
-            raise run
+    fleets = [fleet(hull, number) for number in numbers]
+    for run in all_sailed(sail(fleets, {}, keep_s=_KEPT_S)):
         off = metrics.distances(run.trace["error"]).max(axis=1)
         late = np.flatnonzero(off > ARRIVED_M)
         left = [state for states in run.states for state in states if state != "FORMATION"]

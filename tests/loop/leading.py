@@ -16,8 +16,8 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
-from sil.lockstep.start import RunError
-from sil.lockstep.world import Run
+from sil.lockstep import metrics
+from sil.lockstep.world import Run, all_sailed
 from sil.lockstep.world import sail as sail_runs
 from sil.plant.hull import Array
 from sil.rivals.routes import ROUTES, WEATHERS, arrival, scenarios_of
@@ -64,12 +64,8 @@ def sail(
         runs = sail_runs(
             chosen, {}, keep_s=KEEP_S, progress=lambda share: progress.update(task, completed=share)
         )
-    judged = {}
-    for name, one, run in zip(names, chosen, runs, strict=True):
-        if isinstance(run, RunError):
-            raise run
-        judged[name] = judge(one, run)
-    return judged
+    sailed = zip(names, chosen, all_sailed(runs), strict=True)
+    return {name: judge(one, run) for name, one, run in sailed}
 
 
 def judge(one: Scenario, run: Run) -> Sailed:
@@ -89,7 +85,7 @@ def judge(one: Scenario, run: Run) -> Sailed:
     off = np.array([np.hypot(*(track - at).T).min() for at in own])
     at_corner = [np.hypot(*(points[1:-1] - at).T).min() < 5.0 for at in own]
     learnt = t_s[:there] > LEARNS_S
-    error_m = np.hypot(error[:there, 1:, 0], error[:there, 1:, 1])[learnt]
+    error_m = metrics.distances(error[:there, 1:])[learnt]
     rms_m = np.sqrt((error_m**2).mean(axis=0))
     boats = range(1, eta.shape[1])
     apart = [np.hypot(*(eta[:, i, :2] - eta[:, j, :2]).T).min() for i in boats for j in range(1, i)]

@@ -20,7 +20,7 @@ from sil.lockstep.batch import Batch
 from sil.lockstep.world import Run, sail
 from sil.scenario import presets, scenario
 from sil.wire.mavlink_frames import frames
-from tests.loop.presets import BOATS, WEATHER, alike
+from tests.loop.presets import BOATS, WEATHER, alike, worst_rms_m
 
 BALANCE, DRAG, YAW = "LRN_BAL", "LRN_DRAG", "LRN_YAWD"
 _WORDS = {"weak": BALANCE, "Drag": DRAG, "Yaw": YAW}
@@ -145,8 +145,7 @@ def learnt(
         if not isinstance(run, Run):
             one.left = str(run)
             continue
-        off_m = np.hypot(run.trace["error"][..., 0], run.trace["error"][..., 1])
-        one.rms_m = float(np.sqrt((off_m[len(off_m) * 2 // 3 :] ** 2).mean(axis=0)).max())
+        one.rms_m = worst_rms_m(run.trace["error"])
         ends = {state for states in run.states for state in states}
         one.left = " ".join(sorted(ends - {"FORMATION", "APPROACH"}))
     return out

@@ -15,8 +15,9 @@ from collections.abc import Collection
 import flotilla
 import numpy as np
 
-from sil.lockstep.start import RunError
-from sil.lockstep.world import Run, sail
+from sil.lockstep import metrics
+from sil.lockstep.world import Run, all_sailed, sail
+from sil.plant.hull import Array
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
 
@@ -80,19 +81,24 @@ def fleets() -> dict[tuple[str, str], Scenario]:
     }
 
 
-def rms_m(run: Run) -> float:
-    """The worst boat's RMS distance from its slot in the last third; all must be in FORMATION."""
-    assert all(set(states) <= {"FORMATION", "APPROACH"} for states in run.states), run.states
-    distance = np.hypot(run.trace["error"][..., 0], run.trace["error"][..., 1])
+def worst_rms_m(error: Array) -> float:
+    """The worst boat's RMS distance from its slot in the last third; error (T, N, 3)."""
+    distance = metrics.distances(error)
     last = distance[len(distance) * 2 // 3 :]
     return float(np.sqrt((last**2).mean(axis=0)).max())
+
+
+def rms_m(run: Run) -> float:
+    """The same of a run in which all boats must be in FORMATION."""
+    assert all(set(states) <= {"FORMATION", "APPROACH"} for states in run.states), run.states
+    return worst_rms_m(run.trace["error"])
 
 
 def varied(name: str) -> float:
     """RMS of the worst of `RUNS` fleets of a hull in the weather, six numbers up to 30 % off."""
     changes = [*alike(name), *WEATHER, "mismatch.share=0.3"]
     every = [scenario.load("mixed", [*changes, f"seed={seed}"]) for seed in range(1, RUNS + 1)]
-    return max(rms_m(_sailed(run)) for run in sail(every, {}))
+    return max(map(rms_m, all_sailed(sail(every, {}))))
 
 
 def measured(
@@ -103,16 +109,8 @@ def measured(
     `parameters`: of all boats, instead of their hulls'.
     """
     found = {key: fleet for key, fleet in fleets().items() if not only or key in only}
-    out = {}
-    for key, run in zip(found, sail(list(found.values()), parameters), strict=True):
-        out[key] = rms_m(_sailed(run))
-    return out
-
-
-def _sailed(run: Run | RunError) -> Run:
-    if isinstance(run, RunError):
-        raise run
-    return run
+    runs = all_sailed(sail(list(found.values()), parameters))
+    return {key: rms_m(run) for key, run in zip(found, runs, strict=True)}
 
 
 def main() -> None:

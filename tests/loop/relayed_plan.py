@@ -14,9 +14,9 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
+from sil.lockstep import metrics
 from sil.lockstep.batch import Batch
-from sil.lockstep.start import RunError
-from sil.lockstep.world import Run
+from sil.lockstep.world import Run, all_sailed
 from sil.lockstep.world import sail as sail_runs
 from sil.plant.hull import Array
 from sil.scenario import scenario
@@ -85,22 +85,21 @@ def sail(boats: int = 20, loss: float = 0.0, duration_s: float = 150.0) -> Saile
 
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("line", total=1.0)
-        (run,) = sail_runs(
+        runs = sail_runs(
             [line(boats, loss, duration_s)],
             {},
             keep_s=0.1,
             progress=lambda share: progress.update(task, completed=share),
             watch=listen,
         )
-    if isinstance(run, RunError):
-        raise run
+    (run,) = all_sailed(runs)
     return judge(run, (told[FORMATION_FUTURE], told[FORMATION_REFERENCE]), duration_s)
 
 
 def judge(run: Run, told: tuple[int, int], duration_s: float) -> Sailed:
     """The figures after the first 20 s, in which the boats learn the current and their thrust."""
     error = run.trace["error"][run.trace["t_s"] > LEARNS_S]
-    off = np.hypot(error[:, :, 0], error[:, :, 1])
+    off = metrics.distances(error)
     return Sailed(
         np.sqrt((off**2).mean(axis=0)),
         off.max(axis=0),

@@ -23,8 +23,8 @@ from rich.console import Console
 from rich.progress import Progress
 
 from sil.lockstep.batch import Batch
-from sil.lockstep.start import RunError
 from sil.lockstep.trace import States
+from sil.lockstep.world import all_sailed
 from sil.lockstep.world import sail as sail_runs
 from sil.plant.hull import Array
 from sil.scenario import scenario
@@ -222,9 +222,7 @@ def sail(kind: str, instants: Sequence[float]) -> list[Healed]:
             progress=lambda share: progress.update(task, completed=share),
             watch=observer,
         )
-    for run in runs:
-        if isinstance(run, RunError):
-            raise run
+    all_sailed(runs)
     return [
         judge(track, observer.places, kind, at_s)
         for track, at_s in zip(observer.tracks, instants, strict=True)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from sil.lockstep.batch import Batch
-from sil.lockstep.start import RunError
-from sil.lockstep.world import sail
+from sil.lockstep.world import all_sailed, sail
 from sil.plant.hull import Array
 from sil.scenario import presets, scenario
 from sil.wire.fleet_table import Member, table_message
@@ -96,8 +95,7 @@ def sailed(folder: Path, *, lengths: bool) -> Array:
     curve = [change for change in alike("wamv") if "surge_N" in change]
     one = scenario.load(file, [*curve, f"duration_s={CHANGES_S + MOVE_S + 90.0}"])
     observer = Observer(lengths=lengths)
-    (run,) = sail([one], {}, keep_s=1.0, watch=observer)
-    assert not isinstance(run, RunError), run
+    all_sailed(sail([one], {}, keep_s=1.0, watch=observer))
     return np.array(observer.eta)
 
 

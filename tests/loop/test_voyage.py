@@ -18,8 +18,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.batch import Batch
 from sil.lockstep.recording import MAVLINK_IN, Recording
-from sil.lockstep.start import RunError
-from sil.lockstep.world import sail
+from sil.lockstep.world import all_sailed, sail
 from sil.logs import own_motion
 from sil.scenario import scenario
 from sil.wire.heartbeat import AUTO, MANUAL
@@ -93,11 +92,9 @@ def sail_voyages(
             if meddle is not None:
                 meddle(batch, agent, t_s, t_us)
 
-    for run in sail(
-        chosen, {**WRONG, **(parameters or {})}, keep_s=0.1, watch=watch, record=record
-    ):
-        if isinstance(run, RunError):
-            raise run
+    all_sailed(
+        sail(chosen, {**WRONG, **(parameters or {})}, keep_s=0.1, watch=watch, record=record)
+    )
     return told
 
 

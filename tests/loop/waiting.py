@@ -18,9 +18,9 @@ from rich.progress import Progress
 from sil.lockstep.batch import Batch
 from sil.lockstep.policies import violations
 from sil.scenario import scenario
+from sil.wire.heartbeat import LOITER
 from sil.wire.operator import ARM, mode_request
 
-LOITER = 5
 SETTLES_S = 60.0
 CURRENT_MPS = 0.3
 #: Weather by name; the bow points north when LOITER begins.

@@ -11,11 +11,19 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.plans import Planner, at
 from tests.target.sea import Sea, Tick
-from tests.target.stations import BOAT, Station
+from tests.target.stations import (
+    AUTO,
+    BOAT,
+    GUIDED,
+    LOITER,
+    MANUAL,
+    MOTOR_TEST,
+    RTL,
+    TERMINATE,
+    Station,
+)
 
-MANUAL, AUTO, STICKS_EVERY_S = 0, 10, 0.05
-MOTOR_TEST, TERMINATE, STORAGE, STANDARD_MODE = 209, 185, 245, 262
-REQUEST_MESSAGE, GET_INTERVAL, SET_INTERVAL = 512, 510, 511
+STICKS_EVERY_S = 0.05
 REAL32 = mavlink.MAV_PARAM_TYPE_REAL32
 PORT, STBD = 1.0, 2.0  # as DO_MOTOR_TEST counts
 
@@ -125,7 +133,7 @@ ENTER = {
     "TEST": enter_test,
     "FAULT": enter_fault,
     "AUTO": enter_auto,
-    "GUIDED": enter_alone(15),
-    "LOITER": enter_alone(5),
-    "RTL": enter_alone(11),
+    "GUIDED": enter_alone(GUIDED),
+    "LOITER": enter_alone(LOITER),
+    "RTL": enter_alone(RTL),
 }

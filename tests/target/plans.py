@@ -15,9 +15,10 @@ from tests.target.stations import BOAT, ORIGIN, REQUEST_MESSAGE, Station
 
 #: MAV_MISSION_TYPE.
 PLAN, FENCE, RALLY, ALL = 0, 1, 2, 255
-WAYPOINT, LOITER, LOITER_TIME, DELAY, SPEED = 16, 17, 19, 93, 178
+WAYPOINT, LOITER_UNLIMITED, LOITER_TURNS, LOITER_TIME, RETURN = 16, 17, 18, 19, 20
+DELAY, JUMP, SPEED = 93, 177, 178
 RETURN_POINT, KEEP_IN, KEEP_OUT, CIRCLE_IN, CIRCLE_OUT, RALLY_POINT = *range(5000, 5005), 5100
-GLOBAL_INT, GLOBAL_RELATIVE_ALT_INT = 5, 6
+GLOBAL_RELATIVE_ALT_INT = 6
 ITEM_ACCEPTED, ERROR, UNSUPPORTED_FRAME, UNSUPPORTED_ITEM, NO_SPACE, INVALID = 0, 1, 2, 3, 4, 5
 INVALID_PARAM1, INVALID_PARAM2, INVALID_X, INVALID_Y, BAD_SEQUENCE = 6, 7, 10, 11, 13
 REFUSED, CANCELLED = 14, 15
@@ -60,6 +61,17 @@ def at(north_m: float, east_m: float, hold_s: float = 0.0, radius_m: float = 0.0
         x=ORIGIN[0] + round(north_m / DEGREES_E7_M),
         y=ORIGIN[1] + round(east_m / east),
     )
+
+
+def bare(command: int, *params: float) -> Item:
+    """An item without a place."""
+    a, b = (*params, 0.0, 0.0)[:2]
+    return Item(command, (a, b, 0.0, 0.0), 0, 0, frame=2)
+
+
+def turns(north_m: float, east_m: float, count: float, radius_m: float) -> Item:
+    params = (count, 0.0, radius_m, math.nan)
+    return at(north_m, east_m)._replace(command=LOITER_TURNS, params=params)
 
 
 def speed(metres_per_s: float) -> Item:
@@ -178,6 +190,11 @@ class Planner:
                     if ours and seq in (None, getattr(m, "seq", 0)):
                         return m
         raise AssertionError(f"no MISSION_{answer} {seq}")
+
+
+def send(sea: Sea, kind: int, items: Sequence[Item]) -> int | None:
+    """Send a plan, fence or rally points from the ground station, as Planner.send."""
+    return Planner(sea, kind=kind).send(items)
 
 
 def plan_of(sea: Sea, kind: int = PLAN) -> list[tuple[bytes, ...]]:

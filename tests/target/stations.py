@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import functools
 import math
+import struct
 from collections.abc import Iterable
 from typing import Any
 
@@ -16,9 +17,15 @@ from tests.target.course import Course, quaternion
 
 BOAT, LEADER, GCS, STRANGER = 2, 1, 255, 77
 NAVIGATION, LEADER_COMPONENT, GCS_COMPONENT = 197, 1, 190
-ARM, SET_MODE, REQUEST_MESSAGE, FORCE = 400, 176, 512, 21196
+#: MAV_CMD.
+SET_MODE, TERMINATE, REPOSITION, PAUSE, FENCE_ENABLE, MOTOR_TEST = 176, 185, 192, 193, 207, 209
+STORAGE, STANDARD_MODE, ARM, GET_INTERVAL, SET_INTERVAL = 245, 262, 400, 510, 511
+REQUEST_MESSAGE = 512
+FORCE = 21196  # the number that arms by force
+#: MAV_RESULT.
 ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
-HOLD, FORMATION = 4, 6
+#: Modes, as a heartbeat's custom_mode.
+MANUAL, HOLD, LOITER, FORMATION, AUTO, RTL, GUIDED = 0, 4, 5, 6, 10, 11, 15
 ARMED_BIT = 128
 ORIGIN = (473977420, 85455940, 488000)
 UNKNOWN_COVARIANCE = [math.nan] + [0.0] * 20
@@ -155,6 +162,16 @@ def decode_named(chunks: Iterable[bytes], name: str) -> list[Any]:
     if not some:
         return []
     return [message for message in decode(some) if message.get_type() == name]
+
+
+def float32(value: float) -> float:
+    """The nearest number of 32 bits, as messages carry it."""
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+def kind_of(message_id: int) -> str:
+    """The message's name in our dialect."""
+    return str(dialect().mavlink_map[message_id].msgname)
 
 
 @functools.cache

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.target.operator_words import ENTER, MOTOR_TEST, command_int, param_set
+from tests.target.operator_words import ENTER, command_int, param_set
 from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
@@ -17,6 +17,7 @@ from tests.target.stations import (
     BOAT,
     DENIED,
     FORCE,
+    MOTOR_TEST,
     SET_MODE,
     STRANGER,
     TEMPORARILY_REJECTED,

@@ -15,27 +15,32 @@ from tests.target.plans import (
     DELAY,
     INVALID_X,
     ITEM_ACCEPTED,
-    LOITER,
+    JUMP,
+    LOITER_UNLIMITED,
     REFUSED,
     Item,
     Planner,
     as_sent,
     at,
+    bare,
     plan_of,
     speed,
 )
 from tests.target.sea import Sea, Tick, acks, assert_finite, named, texts
 from tests.target.stations import (
     ACCEPTED,
+    AUTO,
     BOAT,
     DENIED,
     FORMATION,
     HOLD,
+    PAUSE,
     SET_MODE,
+    STANDARD_MODE,
     TEMPORARILY_REJECTED,
 )
 
-AUTO, MISSION_START, PAUSE, SET_CURRENT, STANDARD_MODE, JUMP = 10, 300, 193, 224, 262, 177
+MISSION_START, SET_CURRENT = 300, 224
 NOT_STARTED, ACTIVE, PAUSED, COMPLETE = 2, 3, 4, 5
 CORNER = [at(10, 0), at(10, 10)]
 
@@ -210,7 +215,7 @@ def test_a_plan_whose_speed_is_above_a_lowered_limit_is_sailed_at_the_limit(
 def test_after_a_plans_last_place_no_earlier_item_begins() -> None:
     """The plan: a voyage that measures the hull, then a place to stop at."""
     voyage = at(0, 0)._replace(command=31010, params=(0.0, 0.0, 0.0, math.nan))
-    here = Item(LOITER, x=0, y=0)
+    here = Item(LOITER_UNLIMITED, x=0, y=0)
     sea = at_sea([voyage, here])
     assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
     sea.mode(AUTO)
@@ -343,7 +348,7 @@ def test_a_leg_over_2_9_km_is_refused() -> None:
     assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1460, 0)]) == INVALID_X
     assert "Plan refused at item 2: leg over 2.9 km" in texts(sea.ticks)
     assert Planner(sea).send([at(0, 0), at(1450, 0), at(-1440, 0)]) == ITEM_ACCEPTED
-    back = Item(JUMP, (1.0, 1.0, 0.0, 0.0), 0, 0, frame=2)
+    back = bare(JUMP, 1.0, 1.0)
     assert Planner(sea).send([at(0, 0), at(1990, 0), at(0, 1990), at(-1990, 0), back]) == INVALID_X
 
 
@@ -411,7 +416,7 @@ def test_speeds_and_waits_of_the_plan_are_kept() -> None:
 
 
 def test_a_plan_ends_at_a_loiter_without_end() -> None:
-    sea = sailing([at(5, 0), Item(LOITER, x=0, y=0), at(10, 10)])
+    sea = sailing([at(5, 0), Item(LOITER_UNLIMITED, x=0, y=0), at(10, 10)])
     sea.run(60.0)
     assert place(sea) == pytest.approx((5, 0), abs=0.05) and sea.state == "AUTO"
 

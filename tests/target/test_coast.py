@@ -8,9 +8,8 @@ import pytest
 from tests.target.course import BEHIND, TURN
 from tests.target.operator_words import drive, param_set, sticks
 from tests.target.sea import Sea, at_sea, named, texts
-from tests.target.stations import FORMATION, HOLD
+from tests.target.stations import FORMATION, HOLD, MANUAL
 
-MANUAL = 0
 CRITICAL, ERROR = 5, 3
 
 

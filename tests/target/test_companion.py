@@ -9,17 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import BEHIND, TURN
-from tests.target.operator_words import (
-    MOTOR_TEST,
-    REQUEST_MESSAGE,
-    SET_INTERVAL,
-    TERMINATE,
-    command_int,
-    param_list,
-    param_read,
-    param_set,
-    sticks,
-)
+from tests.target.operator_words import command_int, param_list, param_read, param_set, sticks
 from tests.target.sea import Sea, acks, messages, named, texts
 from tests.target.stations import (
     ACCEPTED,
@@ -27,7 +17,11 @@ from tests.target.stations import (
     BOAT,
     FORMATION,
     LEADER,
+    MOTOR_TEST,
+    REQUEST_MESSAGE,
+    SET_INTERVAL,
     SET_MODE,
+    TERMINATE,
     UNSUPPORTED,
     Station,
     command_long,

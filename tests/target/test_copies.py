@@ -15,11 +15,14 @@ from tests.target.plans import ITEM_ACCEPTED, Planner, as_sent, at, plan_of
 from tests.target.sea import Sea, Tick, acks, named
 from tests.target.stations import (
     ACCEPTED,
+    ARM,
     BOAT,
     FORMATION,
     GCS,
     GCS_COMPONENT,
+    GUIDED,
     HOLD,
+    LOITER,
     REQUEST_MESSAGE,
     SET_MODE,
     Station,
@@ -27,7 +30,7 @@ from tests.target.stations import (
 )
 from tests.target.test_setpoints import NED, local
 
-RADIO, LOITER, GUIDED = 1, 5, 15
+RADIO = 1
 
 
 @pytest.fixture
@@ -167,7 +170,7 @@ def test_late_copies_of_setpoints_do_not_alternate_with_newer_ones() -> None:
 
 
 def test_a_stop_is_obeyed_however_often_it_comes(sea: Sea) -> None:
-    wire = say(sea, command_long(400, 0.0))
+    wire = say(sea, command_long(ARM, 0.0))
     sea.step()
     sea.arm()
     sea.boat.on_mavlink(wire, sea.now_us, RADIO)
@@ -220,7 +223,7 @@ def test_a_stranger_who_may_not_command_takes_no_place_from_a_hold_or_a_disarm()
     sea = Sea({"MAV_GCS_SYSID": float(GCS)})
     hold = command_long(SET_MODE, 1.0, float(HOLD))
     sea.enter_formation()
-    for message, state in [(hold, "HOLD"), (command_long(400, 0.0), "DISARMED")]:
+    for message, state in [(hold, "HOLD"), (command_long(ARM, 0.0), "DISARMED")]:
         sea.say(*[hold] * 40, sender=Station(77, 1))
         sea.say(message)
         sea.say(*[hold] * 40, sender=Station(77, 1))

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from tests.target.sea import Sea, acks, named
-from tests.target.stations import FORMATION, HOLD, SET_MODE, command_long
+from tests.target.stations import FORMATION, HOLD, SET_INTERVAL, SET_MODE, command_long
 
 
 def current_mode(sea: Sea) -> tuple[int, int]:
@@ -13,9 +13,6 @@ def current_mode(sea: Sea) -> tuple[int, int]:
     (told,) = sea.ask(436)
     assert told.standard_mode == 0
     return told.custom_mode, told.intended_custom_mode
-
-
-SET_INTERVAL = 511
 
 
 def test_a_client_that_requests_the_mode_gets_it_at_each_change_and_every_two_seconds() -> None:

@@ -10,17 +10,18 @@ import pytest
 
 from tests.target.course import TURN, Course
 from tests.target.hull import Afloat, Hull, s_curve
-from tests.target.operator_words import MANUAL, drive, enter_manual, sticks
+from tests.target.operator_words import drive, enter_manual, sticks
 from tests.target.sea import Sea, acks, at_sea, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,
     FORMATION,
+    MANUAL,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,
 )
-from tests.target.test_long_texts import sentences
+from tests.target.test_long_texts import words
 
 CENTRE = "MANUAL: centre the sticks first"
 ONLY = "armed, no FORMATION: "
@@ -65,7 +66,7 @@ def test_a_boat_without_a_condition_that_manual_does_not_need_is_armed_for_manua
     sea.run(0.5 if lack is an_own_state_that_jumps else 3.0)
     tick = sea.arm()
     assert acks(tick) == [(ARM, ACCEPTED)] and sea.state == "HOLD"
-    said = [said.text for said in sentences([tick])]
+    said = words([tick])
     assert said[0] == "HOLD" and ONLY + LACKS[lack] in said
     assert all(text.startswith(ONLY) for text in said[1:])
     tick = sea.mode(FORMATION)
@@ -121,7 +122,7 @@ def test_from_outside_the_fence_a_boat_is_armed_again_and_driven() -> None:
     sea.disarm()
     tick = sea.arm()
     assert acks(tick) == [(ARM, ACCEPTED)]
-    said = [said.text for said in sentences([tick])]
+    said = words([tick])
     assert ONLY + "outside fence, or position unknown" in said
     drive(sea, 0, 0, 0.3)
     sea.mode(MANUAL)

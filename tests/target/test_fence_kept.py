@@ -17,6 +17,7 @@ from tests.target.plans import (
     INVALID,
     INVALID_PARAM1,
     ITEM_ACCEPTED,
+    JUMP,
     KEEP_IN,
     KEEP_OUT,
     PLAN,
@@ -24,18 +25,27 @@ from tests.target.plans import (
     Planner,
     as_sent,
     at,
+    bare,
     box,
     circle,
     corners,
     plan_of,
+    send,
+    turns,
 )
 from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
+    AUTO,
     BOAT,
     DENIED,
+    FENCE_ENABLE,
     FORMATION,
+    GUIDED,
     HOLD,
+    LOITER,
+    MANUAL,
+    RTL,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,
@@ -43,20 +53,11 @@ from tests.target.stations import (
     local_position,
     origin,
 )
-from tests.target.test_auto import AUTO, SET_CURRENT, at_sea, place, sailing
-from tests.target.test_long_texts import sentences
+from tests.target.test_auto import SET_CURRENT, at_sea, place, sailing
+from tests.target.test_long_texts import words
 
-FENCE_ENABLE, GEOFENCE, MANUAL = 207, 1 << 20, 0
-LOITER_TURNS, JUMP = 18, 177
+GEOFENCE = 1 << 20
 HULL = 1.3  # BOAT_LEN's default: the margin
-
-
-def send(sea: Sea, kind: int, items: list[Item]) -> int | None:
-    return Planner(sea, kind=kind).send(items)
-
-
-def words(sea: Sea) -> list[str]:
-    return [said.text for said in sentences(sea.ticks)]
 
 
 def fenced(
@@ -100,7 +101,7 @@ def test_a_plan_that_leaves_the_fence_is_refused_with_its_items_number(
         assert result == ITEM_ACCEPTED and plan_of(sea) == as_sent(plan)
     else:
         assert result != ITEM_ACCEPTED and plan_of(sea) == as_sent(old)
-        assert words(sea)[-1] == f"Plan refused at item 2: {why}"
+        assert words(sea.ticks)[-1] == f"Plan refused at item 2: {why}"
 
 
 def test_a_leg_past_a_spit_of_land_is_refused_and_one_round_it_taken() -> None:
@@ -109,7 +110,7 @@ def test_a_leg_past_a_spit_of_land_is_refused_and_one_round_it_taken() -> None:
     spit = corners(KEEP_OUT, [(-0.2, -30), (0.2, -30), (0.2, 30), (-0.2, 30)])
     assert send(sea, FENCE, spit) == ITEM_ACCEPTED
     assert send(sea, PLAN, [at(-20, 0), at(20, 0)]) == INVALID
-    assert words(sea)[-1] == "Plan refused at item 1: path crosses the fence"
+    assert words(sea.ticks)[-1] == "Plan refused at item 1: path crosses the fence"
     assert send(sea, PLAN, [at(-20, 0), at(-20, 40), at(20, 40), at(20, 0)]) == ITEM_ACCEPTED
 
 
@@ -159,15 +160,6 @@ def test_a_curve_keeps_from_a_rock_inside_the_corner(radius_m: float) -> None:
     assert nearest[0] > 1 + 0.7 * HULL
 
 
-def turns(north_m: float, east_m: float, number: float, radius_m: float) -> Item:
-    params = (number, 0.0, radius_m, math.nan)
-    return at(north_m, east_m)._replace(command=LOITER_TURNS, params=params)
-
-
-def jump(item: int, times: int) -> Item:
-    return Item(JUMP, (float(item), float(times), 0.0, 0.0), 0, 0, frame=2)
-
-
 @pytest.mark.parametrize("fence_first", [True, False])
 @pytest.mark.parametrize(
     "ends", [(at(-300, 0), at(400, 0)), (at(400, 0), at(-300, 0))], ids=["out", "in"]
@@ -185,15 +177,15 @@ def test_legs_from_and_to_a_circle_are_judged_from_where_the_boat_leaves_it(
     else:
         sea = fenced(plan, zone)
         assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert any("crosses the fence" in text for text in words(sea)[-3:])
+    assert any("crosses the fence" in text for text in words(sea.ticks)[-3:])
 
 
 def test_a_jump_to_a_jump_is_refused_because_its_leg_is_not_judged() -> None:
     sea = Sea()
     sea.settle()
-    plan = [at(0, 0), at(9, 0), jump(0, 1), at(9, 9), at(0, 9), jump(2, 1)]
+    plan = [at(0, 0), at(9, 0), bare(JUMP, 0.0, 1.0), at(9, 9), at(0, 9), bare(JUMP, 2.0, 1.0)]
     assert send(sea, PLAN, plan) == INVALID_PARAM1
-    assert words(sea)[-1] == "Plan refused at item 5: jump to a jump"
+    assert words(sea.ticks)[-1] == "Plan refused at item 5: jump to a jump"
 
 
 @pytest.mark.parametrize(
@@ -204,9 +196,9 @@ def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
 ) -> None:
     sea = fenced(plan, box(0, 0, 20))
     sea.run(0.5)
-    assert f"Plan invalid at item {item}: outside the fence" in words(sea)
+    assert f"Plan invalid at item {item}: outside the fence" in words(sea.ticks)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "HOLD"
-    assert words(sea)[-1] == "Plan: outside the fence"
+    assert words(sea.ticks)[-1] == "Plan: outside the fence"
     assert send(sea, FENCE, box(0, 0, 30)) == ITEM_ACCEPTED
     sea.run(0.5)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
@@ -235,10 +227,10 @@ def test_auto_does_not_begin_where_the_way_to_the_plan_leaves_the_fence() -> Non
     wall = corners(KEEP_OUT, [(8, -20), (8, 20), (9, 20), (9, -20)])
     sea = fenced([at(20, 0), at(20, 10)], wall)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert words(sea)[-1] == "Plan: path crosses the fence"
+    assert words(sea.ticks)[-1] == "Plan: path crosses the fence"
 
 
-@pytest.mark.parametrize("via", [None, 5, 15], ids=["HOLD", "LOITER", "GUIDED"])
+@pytest.mark.parametrize("via", [None, LOITER, GUIDED], ids=["HOLD", "LOITER", "GUIDED"])
 def test_auto_is_judged_by_the_way_to_the_item_that_was_chosen_just_now(via: int | None) -> None:
     """The plan leads round a wall; the way to its third place goes through it."""
     wall = corners(KEEP_OUT, [(8, -20), (8, 20), (9, 20), (9, -20)])
@@ -249,7 +241,7 @@ def test_auto_is_judged_by_the_way_to_the_item_that_was_chosen_just_now(via: int
     state = sea.state
     assert acks(sea.order(SET_CURRENT, 3.0)) == [(SET_CURRENT, ACCEPTED)]
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert sea.state == state and words(sea)[-1] == "Plan: path crosses the fence"
+    assert sea.state == state and words(sea.ticks)[-1] == "Plan: path crosses the fence"
     assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)] and sea.state == "AUTO"
 
@@ -270,7 +262,7 @@ def test_auto_is_judged_from_where_the_boat_has_sailed_meanwhile() -> None:
 def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
     sea = fenced([at(50, 0)], box(50, 0, 20))
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert "Refused: outside fence, or position unknown" in words(sea)
+    assert "Refused: outside fence, or position unknown" in words(sea.ticks)
     before = len(sea.ticks)
     sea.say(sticks(0, 0))
     sea.mode(MANUAL)
@@ -278,7 +270,7 @@ def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
         sea.say(sticks(400, 0))
         sea.run(0.1)
     assert sea.state == "MANUAL" and all(c > 0 for c in sea.commands)
-    warned = [said.text for said in sentences(sea.ticks[before:])]
+    warned = words(sea.ticks[before:])
     assert 1 <= warned.count("outside fence, or position unknown") <= 2
 
 
@@ -353,9 +345,9 @@ def test_a_target_behind_a_fence_is_refused_and_rtl_goes_round_it() -> None:
         )
     )
     assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
-    sea.mode(11)
+    sea.mode(RTL)
     sea.run(20.0)
-    assert "straight path crosses the fence: going round it" in words(sea)
+    assert "straight path crosses the fence: going round it" in words(sea.ticks)
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
 
 
@@ -368,9 +360,9 @@ def test_guided_without_a_target_stops_before_a_wall_and_does_not_go_round_it(ga
     while place(sea)[0] < 40 - gap_m:
         sea.say(sticks(130, 0))
         sea.run(0.1)
-    assert acks(sea.mode(15)) == [(SET_MODE, ACCEPTED)]
+    assert acks(sea.mode(GUIDED)) == [(SET_MODE, ACCEPTED)]
     sea.run(30.0)
-    assert sea.state == "GUIDED" and not any("going round" in text for text in words(sea))
+    assert sea.state == "GUIDED" and not any("going round" in text for text in words(sea.ticks))
     assert place(sea) == pytest.approx((40 - gap_m, 0), abs=0.5)
 
 
@@ -380,7 +372,7 @@ def test_a_boat_under_way_refuses_an_item_if_the_way_to_it_leaves_the_fence() ->
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
     sea.run(2.0)
     assert acks(sea.order(SET_CURRENT, 2.0)) == [(SET_CURRENT, DENIED)]
-    assert "Refused: path crosses the fence" in words(sea)
+    assert "Refused: path crosses the fence" in words(sea.ticks)
     assert sea.state == "AUTO"
     (told,) = sea.ask(mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
     assert told.seq == 0
@@ -520,6 +512,6 @@ def test_a_fence_enabled_during_an_upload_applies_to_earlier_items_too() -> None
         planner.say(item.message(seq))
         sea.run(0.1)
     sea.run(1.0)
-    assert any("item 1: outside the fence" in text for text in words(sea)), words(sea)
+    assert any("item 1: outside the fence" in text for text in words(sea.ticks)), words(sea.ticks)
     sea.mode(AUTO)
     assert sea.state != "AUTO"

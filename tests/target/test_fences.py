@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -44,10 +44,11 @@ from tests.target.plans import (
     opaque_id,
     plan_of,
     rally,
+    send,
 )
 from tests.target.sea import Sea, named, texts
 from tests.target.stations import BOAT, Station
-from tests.target.test_long_texts import sentences
+from tests.target.test_long_texts import words
 
 FENCED = [*box(0, 0, 100), circle(40, 40, 5, CIRCLE_OUT), circle(0, 0, 150)]
 POINTS = [rally(10, 0), rally(0, 20), rally(-5, -5)]
@@ -63,14 +64,6 @@ def still() -> Sea:
     sea = Sea()
     sea.settle()
     return sea
-
-
-def send(sea: Sea, kind: int, items: Sequence[Item]) -> int | None:
-    return Planner(sea, kind=kind).send(items)
-
-
-def words(sea: Sea) -> list[str]:
-    return [said.text for said in sentences(sea.ticks)]
 
 
 def ring(count: int) -> list[Item]:
@@ -373,6 +366,6 @@ def test_fences_and_rally_points_are_not_changed_while_the_law_drives(kind: int)
         sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, what))
         (ack,) = sea.step().named("MISSION_ACK")
         assert ack.type == REFUSED
-    assert f"{NAME[kind]} refused at item 0: HOLD first, or not MAV_GCS_SYSID" in words(sea)
+    assert f"{NAME[kind]} refused at item 0: HOLD first, or not MAV_GCS_SYSID" in words(sea.ticks)
     assert sea.state == "FORMATION" and plan_of(sea, kind) == as_sent(KEPT[kind])
     assert send(sea, PLAN, [at(5, 5)]) == ITEM_ACCEPTED, "a plan is, as it is not sailed"

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +11,8 @@ from typing import Any
 import flotilla
 import numpy as np
 import pytest
+
+from sil.bench.bench_fleet import resident_now_kB
 
 ROOT = Path(__file__).parents[2]
 LOCAL, EXACT = (100.0, "local", 0.0), (0, 0.0)
@@ -35,18 +36,13 @@ def sail(fleet: Any, boats: int, first: int, ticks: int) -> None:
         fleet.tick(10_000 * k, eta, eta, None, shafts, np.empty((boats, 2)))
 
 
-def resident_kB() -> float:
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    return pages * os.sysconf("SC_PAGESIZE") / 1000.0
-
-
 def kB_more_of_a_fleet(boats: int) -> float:
     fleet = chain(boats)
     sail(fleet, boats, 0, 3)
-    before_kB = resident_kB()
+    before_kB = resident_now_kB()
     more = chain(4 * boats)
     sail(more, 4 * boats, 0, 3)
-    return resident_kB() - before_kB
+    return resident_now_kB() - before_kB
 
 
 def test_a_boat_with_its_wires_takes_under_44_kB_more() -> None:
@@ -60,10 +56,10 @@ def test_a_boat_with_its_wires_takes_under_44_kB_more() -> None:
 def test_memory_does_not_grow_with_time(radio: dict[str, float]) -> None:
     fleet = chain(100, radio)
     sail(fleet, 100, 0, 500)
-    before_kB = resident_kB()
+    before_kB = resident_now_kB()
     sail(fleet, 100, 500, 1000)
     # One byte per boat and tick would be 100 kB.
-    assert resident_kB() - before_kB < 80.0
+    assert resident_now_kB() - before_kB < 80.0
 
 
 def test_the_profile_says_where_the_time_goes() -> None:

@@ -6,12 +6,11 @@ import pytest
 from sil.wire.fleet_table import Member, digest_of, table_message
 from tests.target.course import TURN
 from tests.target.sea import Sea, at_sea, texts
-from tests.target.stations import FORMATION, HOLD, SET_MODE, command_long
+from tests.target.stations import FORMATION, HOLD, MOTOR_TEST, SET_MODE, command_long
 from tests.target.test_rc import WITH_RC, hold, rc
 
 LENGTH_M = 1.3
 FLEET = [Member(1, 0, (0.0, 0.0), LENGTH_M), Member(2, 1, (-4.0, -4.0), LENGTH_M)]
-MOTOR_TEST = 209
 
 
 def member() -> Sea:

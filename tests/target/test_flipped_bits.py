@@ -13,13 +13,14 @@ import pytest
 from tests.dialect import dialect
 from tests.target.course import TURN
 from tests.target.hull import Afloat
-from tests.target.operator_words import REQUEST_MESSAGE, param_read, param_set
+from tests.target.operator_words import param_read, param_set
 from tests.target.sea import Sea, assert_finite
 from tests.target.stations import (
     FORMATION,
     GCS,
     GCS_COMPONENT,
     HOLD,
+    REQUEST_MESSAGE,
     SET_MODE,
     Station,
     command_long,

@@ -12,8 +12,8 @@ from sil.wire.fleet_table import Member, table_message
 from tests.dialect import dialect
 from tests.target.hull import Afloat
 from tests.target.plans import at
-from tests.target.stations import BOAT, ORIGIN, STRANGER, Station
-from tests.target.test_auto import PAUSE, place, sailing
+from tests.target.stations import BOAT, ORIGIN, PAUSE, STRANGER, Station
+from tests.target.test_auto import place, sailing
 
 WAIT_S = 5.0
 FOLLOWED = 1

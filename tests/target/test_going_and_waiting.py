@@ -11,8 +11,10 @@ from pymavlink.dialects.v20 import common as mavlink
 from tests.target.hull import Afloat
 from tests.target.plans import (
     ITEM_ACCEPTED,
+    LOITER_UNLIMITED,
     RALLY,
     REFUSED,
+    RETURN,
     SPEED,
     UNSUPPORTED_FRAME,
     UNSUPPORTED_ITEM,
@@ -22,23 +24,27 @@ from tests.target.plans import (
     plan_of,
     rally,
 )
-from tests.target.plans import LOITER as LOITER_ITEM
 from tests.target.sea import Sea, Tick, acks, texts
 from tests.target.stations import (
     ACCEPTED,
+    AUTO,
     BOAT,
     DENIED,
     FORMATION,
     GCS,
+    GUIDED,
     HOLD,
+    LOITER,
+    PAUSE,
+    REPOSITION,
+    RTL,
     SET_MODE,
+    STANDARD_MODE,
     TEMPORARILY_REJECTED,
     Station,
 )
-from tests.target.test_auto import AUTO, CORNER, at_sea, place, sailing
+from tests.target.test_auto import CORNER, at_sea, place, sailing
 
-LOITER, RTL, GUIDED = 5, 11, 15
-REPOSITION, RETURN, PAUSE, STANDARD_MODE = 192, 20, 193, 262
 INT_ONLY, WRONG_FRAME = 8, 9
 CHANGE_MODE = 1.0
 
@@ -124,7 +130,7 @@ def test_go_here_changes_no_mode_and_a_change_of_altitude_nothing() -> None:
     sea.mode(GUIDED)
     for current in (3, 4, 255):
         assert mission_acks(go_here(sea, at(5, 0), current)) == [UNSUPPORTED_ITEM]
-    for command in (LOITER_ITEM, SPEED):
+    for command in (LOITER_UNLIMITED, SPEED):
         assert mission_acks(go_here(sea, at(5, 0)._replace(command=command))) == [UNSUPPORTED_ITEM]
     assert mission_acks(go_here(sea, at(3000, 0))) == [REFUSED]
     assert mission_acks(go_here(sea, at(5, 0), frame=1)) == [UNSUPPORTED_FRAME]
@@ -229,7 +235,7 @@ def test_loiter_stops_a_boat_and_keeps_its_place_in_a_current(
     sea = at_sea([at(40, 0)])
     sea.hull.current = current
     sea.run(3.0)
-    sea.mode(10)
+    sea.mode(AUTO)
     sea.run(20.0)
     assert sea.state == "AUTO"
     sea.mode(LOITER)

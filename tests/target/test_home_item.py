@@ -11,17 +11,19 @@ from tests.target.plans import (
     FENCE,
     INVALID,
     ITEM_ACCEPTED,
+    JUMP,
     Item,
     Planner,
     as_sent,
     at,
+    bare,
     circle,
     plan_of,
 )
-from tests.target.stations import BOAT
-from tests.target.test_auto import AUTO, at_sea, place, progress, reached
+from tests.target.stations import AUTO, BOAT
+from tests.target.test_auto import at_sea, place, progress, reached
 
-JUMP, PARAM1 = 177, 6
+PARAM1 = 6
 ARDUPILOT = {"MAV_AUTOPILOT": 1.0}
 OVER_SEA_LEVEL = 0  # MAV_FRAME_GLOBAL
 HOME = at(-30, -30)._replace(frame=OVER_SEA_LEVEL, z=490.0)
@@ -51,13 +53,13 @@ def test_set_current_to_item_0_begins_at_the_first_waypoint() -> None:
 
 def test_a_jump_counts_the_home_among_the_items() -> None:
     """To item 1, which is the first waypoint, once; item 0, the home, is no place to jump to."""
-    back = Item(JUMP, (1.0, 1.0, 0.0, 0.0), 0, 0, frame=2)
+    back = bare(JUMP, 1.0, 1.0)
     sea = at_sea([HOME, *WAY, back], ARDUPILOT)
     assert plan_of(sea) == as_sent([HOME, *WAY, back])
     sea.mode(AUTO)
     assert reached(sea.run(150.0)) == [1, 2, 1, 2]
     assert place(sea) == pytest.approx((6, 6), abs=0.05)
-    home = Item(JUMP, (0.0, 1.0, 0.0, 0.0), 0, 0, frame=2)
+    home = bare(JUMP, 0.0, 1.0)
     other = at_sea([], ARDUPILOT)
     assert Planner(other).send([HOME, *WAY, home]) == PARAM1
 

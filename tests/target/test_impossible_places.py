@@ -17,6 +17,7 @@ from tests.target.stations import (
     FORMATION,
     LEADER,
     LEADER_COMPONENT,
+    LOITER,
     SET_MODE,
     Station,
     heartbeat,
@@ -65,7 +66,6 @@ def assert_refused(sea: Sea, why: str) -> None:
     assert sea.state == "HOLD"
 
 
-LOITER = 5
 RING = "leaders form a cycle"
 TAKEN = "slot is taken, or needs sailing astern"
 

@@ -12,9 +12,9 @@ from pymavlink.dialects.v20 import common as mavlink
 from tests.target.agent import Agent
 from tests.target.course import Course
 from tests.target.hull import Afloat, Hull, s_curve
-from tests.target.operator_words import MANUAL, drive, param_set
+from tests.target.operator_words import drive, param_set
 from tests.target.sea import Sea, texts
-from tests.target.stations import FORMATION
+from tests.target.stations import FORMATION, MANUAL
 
 UNKNOWN = {"NAV_LAG_S": -1.0, "FORM_LAG_S": -1.0}
 NAV_UNKNOWN = "own latency unknown: set NAV_LAG_S"

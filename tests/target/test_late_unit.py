@@ -7,7 +7,7 @@ import pytest
 
 from tests.target.hull import Afloat, Hull, s_curve
 from tests.target.sea import PAPER
-from tests.target.test_long_texts import sentences
+from tests.target.test_long_texts import words
 
 
 def sailing(late_s: float, law: dict[str, float], seconds: float = 25.0) -> Afloat:
@@ -19,14 +19,14 @@ def sailing(late_s: float, law: dict[str, float], seconds: float = 25.0) -> Aflo
     return sea
 
 
-def words(sea: Afloat) -> list[str]:
-    return [said.text for said in sentences(sea.ticks) if "navigation" in said.text]
+def words_of_the_unit(sea: Afloat) -> list[str]:
+    return [text for text in words(sea.ticks) if "navigation" in text]
 
 
 def test_the_boat_tells_how_late_its_unit_is_once() -> None:
     sea = sailing(0.2, {})
     assert sea.state == "FORMATION"
-    (told,) = words(sea)
+    (told,) = words_of_the_unit(sea)
     assert float(told.split()[3]) == pytest.approx(0.2, abs=0.03)
     assert told.endswith("(no TIMESYNC): compensated")
 
@@ -34,13 +34,13 @@ def test_the_boat_tells_how_late_its_unit_is_once() -> None:
 @pytest.mark.parametrize("law", [{}, {"NAV_LAG_S": 0.2}])
 def test_a_prompt_unit_or_a_known_latency_causes_no_message(law: dict[str, float]) -> None:
     sea = sailing(law.get("NAV_LAG_S", 0.0), law)
-    assert sea.state == "FORMATION" and words(sea) == []
+    assert sea.state == "FORMATION" and words_of_the_unit(sea) == []
 
 
 def test_a_unit_that_is_too_late_leads_to_hold_and_formation_is_refused_with_the_reason() -> None:
     sea = sailing(0.42, {})
     assert sea.state == "HOLD"
-    assert any("navigation latency is too high" in text for text in words(sea))
+    assert any("navigation latency is too high" in text for text in words_of_the_unit(sea))
 
 
 def test_the_known_latency_counts_as_age() -> None:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import random
-import struct
 from dataclasses import replace
 from itertools import pairwise
 
@@ -12,6 +11,7 @@ import pytest
 
 from tests.target.course import Course
 from tests.target.sea import Sea
+from tests.target.stations import float32
 
 TURNING = Course(5.0, 5.0, 0.5, 0.6, 0.0, 0.1)
 
@@ -94,5 +94,5 @@ def test_the_uncertainty_sent_equals_the_snapshots() -> None:
         for m in tick.named("NAMED_VALUE_FLOAT"):
             if m.name == "LEAD_UNC":
                 told += 1
-                assert m.value == struct.unpack("<f", struct.pack("<f", known))[0]
+                assert m.value == float32(known)
     assert told in (5, 6)

@@ -11,19 +11,12 @@ from tests.target.agent import START_US
 from tests.target.course import Course
 from tests.target.hull import Afloat, Hull
 from tests.target.operator_words import sticks
-from tests.target.sea import PAPER, Sea, Tick, at_sea, texts
-from tests.target.stations import FORMATION
-from tests.target.test_long_texts import sentences as whole
-
-
-def sentences(ticks: list[Tick]) -> list[str]:
-    """The texts, reassembled from their chunks."""
-    return [said.text for said in whole(ticks)]
-
+from tests.target.sea import PAPER, Sea, at_sea, texts
+from tests.target.stations import FORMATION, MANUAL
+from tests.target.test_long_texts import words
 
 LOW, FAR = "battery is below FS_BATT_V, or unknown", "outside fence, or position unknown"
 GEOFENCE, BATTERY, PREARM = 1 << 20, 1 << 25, 1 << 28
-MANUAL = 0
 
 
 def charged(parameters: dict[str, float]) -> Sea:
@@ -71,7 +64,7 @@ def test_a_battery_that_dips_for_a_moment_is_good() -> None:
 def test_a_boat_with_a_low_battery_is_armed_for_manual_only_with_the_reason() -> None:
     sea = Sea({"FS_BATT_V": 25.0})
     sea.run(5.0)
-    assert sentences([sea.arm()]) == ["HOLD", f"armed, no FORMATION: {LOW}"]
+    assert words([sea.arm()]) == ["HOLD", f"armed, no FORMATION: {LOW}"]
     assert fence_and_battery(sea)[PREARM] == (True, False)
     assert texts([sea.mode(FORMATION)]) == [f"Refused: {LOW}"] and sea.state == "HOLD"
     sea.escs[0].voltage = sea.escs[1].voltage = 25.5
@@ -132,7 +125,7 @@ def test_a_boat_that_does_not_know_its_place_is_armed_for_manual_only() -> None:
         sea.settle()
         tick = sea.arm()
         assert sea.state == "HOLD"
-        assert (f"armed, no FORMATION: {FAR}" in sentences([tick])) == bool(fence_m)
+        assert (f"armed, no FORMATION: {FAR}" in words([tick])) == bool(fence_m)
 
 
 def test_without_limits_there_is_no_fence_and_no_low_battery() -> None:

@@ -51,6 +51,11 @@ def sentences(ticks: list[Tick], link: int = 0) -> list[Said]:
     return found
 
 
+def words(ticks: list[Tick]) -> list[str]:
+    """The texts of the sentences on the first link."""
+    return [said.text for said in sentences(ticks)]
+
+
 def assert_well_cut(said: Said) -> None:
     """Only a text too long for one message is split, and a NUL marks its end."""
     if len(said.text) <= CHUNK:

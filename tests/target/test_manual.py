@@ -10,7 +10,6 @@ from tests.target.bus import FULL_SCALE
 from tests.target.course import TURN
 from tests.target.operator_words import (
     ENTER,
-    MANUAL,
     drive,
     enter_manual,
     param_set,
@@ -27,6 +26,7 @@ from tests.target.stations import (
     GCS,
     GCS_COMPONENT,
     HOLD,
+    MANUAL,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,

@@ -8,7 +8,6 @@ import math
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.dialect import dialect
 from tests.target.operator_words import command_int, param_list, param_set
 from tests.target.sea import Sea, Tick, acks, messages, named
 from tests.target.stations import (
@@ -16,15 +15,17 @@ from tests.target.stations import (
     BOAT,
     DENIED,
     GCS,
+    GET_INTERVAL,
     HOLD,
     ORIGIN,
+    SET_INTERVAL,
     UNSUPPORTED,
     Station,
     command_long,
     heartbeat,
+    kind_of,
 )
 
-SET_INTERVAL, GET_INTERVAL = 511, 510
 HEARTBEAT, ATTITUDE, POSITION, FOLLOW_TARGET, EXTENDED_STATE = 0, 30, 32, 144, 245
 NAMED_VALUE = 251
 NEVER, DEFAULT = -1.0, 0.0
@@ -49,10 +50,6 @@ IN_TEN_SECONDS = {
 }
 EACH = pytest.mark.parametrize("message_id", list(IN_TEN_SECONDS))
 RADIO = Station(51, 68)  # the ids of SiK radios
-
-
-def kind_of(message_id: int) -> str:
-    return str(dialect().mavlink_map[message_id].msgname)
 
 
 def count(ticks: list[Tick], message_id: int, link: int = 0) -> int:

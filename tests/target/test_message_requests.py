@@ -11,7 +11,6 @@ from typing import Any
 import flotilla
 import pytest
 
-from tests.dialect import dialect
 from tests.target.course import Course
 from tests.target.operator_words import command_int
 from tests.target.sea import Sea, Tick, acks, named
@@ -21,14 +20,17 @@ from tests.target.stations import (
     DENIED,
     GCS,
     GCS_COMPONENT,
+    GET_INTERVAL,
     ORIGIN,
     TEMPORARILY_REJECTED,
     UNSUPPORTED,
     Station,
     command_long,
+    kind_of,
 )
+from tests.target.stations import REQUEST_MESSAGE as REQUEST
 
-REQUEST, GET_INTERVAL, VERSION, CAPABILITIES = 512, 510, 519, 520
+VERSION, CAPABILITIES = 519, 520
 INTERVAL, MODES, ODOMETRY = 244, 435, 331
 # those that clients need, and all others that a boat can send
 ASKED_FOR = [148, 242, 49, MODES, 436, 397, 1, 0, INTERVAL, 33, 32, 30, ODOMETRY, 300, 396]
@@ -44,10 +46,6 @@ def quiet() -> Sea:
     sea = Sea(QUIET)
     sea.run(1.15)
     return sea
-
-
-def kind_of(message_id: int) -> str:
-    return str(dialect().mavlink_map[message_id].msgname)
 
 
 def answered(tick: Tick, command: int, result: int, link: int = 0) -> list[Any]:
@@ -146,7 +144,12 @@ def test_several_questions_at_once_are_answered_one_by_one(quiet: Sea) -> None:
 def test_a_station_that_may_not_command_may_still_request_messages() -> None:
     sea = Sea({"MAV_GCS_SYSID": 250} | QUIET)
     sea.run(1.15)
-    for order in ((REQUEST, 148.0), (GET_INTERVAL, 30.0), (VERSION, 1.0), (CAPABILITIES, 1.0)):
+    for order in (
+        (REQUEST, 148.0),
+        (GET_INTERVAL, 30.0),
+        (VERSION, 1.0),
+        (CAPABILITIES, 1.0),
+    ):
         assert len(answered(sea.order(*order), order[0], ACCEPTED)) == 1
     assert acks(sea.order(511, 30.0, 1e5)) == [(511, DENIED)]
 

@@ -2,13 +2,13 @@
 """The parameters' metadata for ground stations: files that the boat serves by MAVLink FTP."""
 
 import json
-import struct
 import zlib
 from typing import Any
 
 import flotilla
 import pytest
 
+from tests.target.stations import float32
 from tests.turns import some
 
 FILES: dict[str, bytes] = flotilla.metadata()
@@ -33,10 +33,6 @@ TYPES: dict[str, Any] = {
     "category": str,
     "values": list,
 }
-
-
-def float32(value: float) -> float:
-    return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 def checksum(content: bytes) -> int:

@@ -20,8 +20,6 @@ from tests.target.stations import (
     command_long,
 )
 
-MANUAL = 0
-
 
 @pytest.mark.parametrize(
     "params",

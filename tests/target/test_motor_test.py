@@ -8,17 +8,7 @@ import math
 import pytest
 
 from tests.target.bus import FULL_SCALE
-from tests.target.operator_words import (
-    ENTER,
-    MANUAL,
-    MOTOR_TEST,
-    PORT,
-    STBD,
-    TERMINATE,
-    command_int,
-    enter_test,
-    sticks,
-)
+from tests.target.operator_words import ENTER, PORT, STBD, command_int, enter_test, sticks
 from tests.target.sea import Sea, Tick, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
@@ -26,8 +16,11 @@ from tests.target.stations import (
     DENIED,
     FORMATION,
     HOLD,
+    MANUAL,
+    MOTOR_TEST,
     SET_MODE,
     TEMPORARILY_REJECTED,
+    TERMINATE,
     Station,
     command_long,
 )

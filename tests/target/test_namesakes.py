@@ -11,7 +11,7 @@ from pymavlink.dialects.v20 import common as mavlink
 from tests.target.course import TURN
 from tests.target.operator_words import sticks
 from tests.target.sea import Sea, Tick, acks, named, texts
-from tests.target.stations import ARM, BOAT, Station, command_long, heartbeat, odometry
+from tests.target.stations import ARM, BOAT, MANUAL, Station, command_long, heartbeat, odometry
 from tests.target.two_links import OTHER, TO_OTHER, known, sent
 
 DOUBLE = "another sender"
@@ -136,7 +136,7 @@ def test_a_boat_under_the_law_holds_if_another_uses_its_id_and_may_be_driven_hom
     for _ in range(50):
         sea.say(sticks(0, 0))
         sea.step()
-    sea.mode(0)
+    sea.mode(MANUAL)
     for _ in range(50):
         sea.say(sticks(500, 0))
         sea.step()

@@ -10,23 +10,17 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.bus import FULL_SCALE
 from tests.target.course import TURN
-from tests.target.operator_words import (
-    MOTOR_TEST,
-    PORT,
-    TERMINATE,
-    enter_manual,
-    param_set,
-    set_mode_message,
-    sticks,
-)
+from tests.target.operator_words import PORT, enter_manual, param_set, set_mode_message, sticks
 from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,
     FORMATION,
     HOLD,
+    MOTOR_TEST,
     SET_MODE,
     TEMPORARILY_REJECTED,
+    TERMINATE,
     Station,
     command_long,
 )

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import random
-import struct
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +18,6 @@ from tests.target.course import Course
 from tests.target.operator_words import (
     ENTER,
     REAL32,
-    STORAGE,
     drive,
     enter_manual,
     param_list,
@@ -35,19 +33,17 @@ from tests.target.stations import (
     GCS,
     GCS_COMPONENT,
     SET_MODE,
+    STORAGE,
     TEMPORARILY_REJECTED,
     Station,
     decode,
+    float32,
 )
 
 LIST: list[dict[str, Any]] = flotilla.parameter_list()
 NAMES = [p["name"] for p in LIST]
 INDEX = {name: k for k, name in enumerate(NAMES)}
 DOES_NOT_EXIST, OUT_OF_RANGE, PERMISSION_DENIED, TYPE_MISMATCH = 1, 2, 3, 7
-
-
-def float32(value: float) -> float:
-    return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 def values(ticks: list[Tick], link: int = 0) -> list[Any]:

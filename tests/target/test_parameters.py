@@ -3,7 +3,6 @@
 
 import math
 import re
-import struct
 from typing import Any
 
 import flotilla
@@ -12,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.target.sea import seeded
+from tests.target.stations import float32
 from tests.turns import some
 
 LIST: list[dict[str, Any]] = flotilla.parameter_list()
@@ -74,12 +74,9 @@ CONTRADICTIONS = [
 
 def a_valid_value(p: dict[str, Any], fraction: float) -> float:
     value = p["least"] + fraction * (p["greatest"] - p["least"])
-    return float(round(value)) if p["integer"] else float32(value, p)
-
-
-def float32(value: float, p: dict[str, Any]) -> float:
-    nearest = struct.unpack("<f", struct.pack("<f", value))[0]
-    return float(min(max(nearest, p["least"]), p["greatest"]))
+    if p["integer"]:
+        return float(round(value))
+    return min(max(float32(value), p["least"]), p["greatest"])
 
 
 HOLD = 4.0
@@ -165,7 +162,7 @@ def test_a_default_lies_within_its_range(p: dict[str, Any]) -> None:
 @EACH
 def test_every_number_travels_as_real32_without_loss(p: dict[str, Any]) -> None:
     for key in ("default", "least", "greatest"):
-        assert struct.unpack("<f", struct.pack("<f", p[key]))[0] == p[key]
+        assert float32(p[key]) == p[key]
 
 
 def test_a_boat_without_parameters_has_the_defaults() -> None:

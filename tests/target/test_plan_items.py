@@ -14,31 +14,28 @@ from tests.target.plans import (
     DELAY,
     FENCE,
     ITEM_ACCEPTED,
-    LOITER,
+    JUMP,
     LOITER_TIME,
+    LOITER_UNLIMITED,
+    RETURN,
     Item,
     Planner,
     as_sent,
     at,
+    bare,
     box,
     plan_of,
+    send,
     speed,
+    turns,
 )
 from tests.target.sea import Tick, acks, named
-from tests.target.stations import ACCEPTED, DENIED, HOLD
-from tests.target.test_auto import (
-    ACTIVE,
-    AUTO,
-    SET_CURRENT,
-    at_sea,
-    place,
-    progress,
-    reached,
-    sailing,
-)
-from tests.target.test_fence_kept import fenced, send, words
+from tests.target.stations import ACCEPTED, AUTO, DENIED, HOLD
+from tests.target.test_auto import ACTIVE, SET_CURRENT, at_sea, place, progress, reached, sailing
+from tests.target.test_fence_kept import fenced
+from tests.target.test_long_texts import words
 
-TURNS, RETURN, CONDITION_DELAY, JUMP, SET_HOME = 18, 20, 112, 177, 179
+CONDITION_DELAY, SET_HOME = 112, 179
 PARAM1, PARAM2, PARAM3, COMPLETE = 6, 7, 8, 5
 BEATEN = "boat makes no way: "
 
@@ -48,17 +45,6 @@ class Weak(Hull):
 
     def advance(self, X: float, N: float, h: float) -> None:
         super().advance(0.1 * X, 0.1 * N, h)
-
-
-def bare(command: int, *params: float) -> Item:
-    """An item without a place."""
-    a, b = (*params, 0.0, 0.0)[:2]
-    return Item(command, (a, b, 0.0, 0.0), 0, 0, frame=2)
-
-
-def turns(north_m: float, east_m: float, count: float, radius_m: float) -> Item:
-    params = (count, 0.0, radius_m, math.nan)
-    return at(north_m, east_m)._replace(command=TURNS, params=params)
 
 
 #: A plan, the number of its item that is refused, and MAV_MISSION_RESULT.
@@ -91,7 +77,8 @@ def test_a_plan_with_an_item_that_cannot_be_sailed_is_refused_by_its_number(name
     sea = at_sea([])
     assert Planner(sea).send(plan) == result
     sea.run(0.5)
-    assert any(f"Plan refused at item {item}:" in text for text in words(sea)), words(sea)
+    said = words(sea.ticks)
+    assert any(f"Plan refused at item {item}:" in text for text in said), said
     assert plan_of(sea) == []
 
 
@@ -167,7 +154,7 @@ HOMES = {
     "between two equal places at the end": ([at(0, 0), at(4, 0), NEW_HOME, at(4, 0)], True),
     "at the end": ([at(4, 0), NEW_HOME], True),
     "behind the way home": ([at(4, 0), bare(RETURN), NEW_HOME], False),
-    "behind a loiter": ([at(4, 0), at(0, 0)._replace(command=LOITER), NEW_HOME], False),
+    "behind a loiter": ([at(4, 0), at(0, 0)._replace(command=LOITER_UNLIMITED), NEW_HOME], False),
 }
 
 
@@ -343,8 +330,8 @@ def test_a_current_too_strong_for_the_propellers_is_reported_within_30_s(
     sea.own.hull = sea.hull
     assert Planner(sea).send([at(40, 0)]) == ITEM_ACCEPTED
     sea.hull.current = (-current_mps, 0.0)
-    sea.mode(10)
+    sea.mode(AUTO)
     sea.run(30.0)
-    assert any(text.startswith(BEATEN) for text in words(sea)) == beaten, words(sea)
+    assert any(text.startswith(BEATEN) for text in words(sea.ticks)) == beaten, words(sea.ticks)
     if not beaten:
         assert sea.state == "AUTO" and place(sea)[0] > 2

@@ -19,8 +19,8 @@ from tests.target.plans import (
     INVALID_X,
     INVALID_Y,
     ITEM_ACCEPTED,
-    LOITER,
     LOITER_TIME,
+    LOITER_UNLIMITED,
     NO_SPACE,
     REFUSED,
     SPEED,
@@ -150,7 +150,7 @@ def test_a_plan_is_cleared(planner: Planner, sea: Sea, way: str) -> None:
 GOOD = [
     at(1, 2),
     at(1, 2, hold_s=30000, radius_m=100),
-    Item(LOITER),
+    Item(LOITER_UNLIMITED),
     Item(LOITER_TIME, (30.0, 0.0, 0.0, NAN)),
     *[Item(frame=frame) for frame in (0, 3, 5, 6, 11)],
     Item(params=(NAN, NAN, NAN, NAN)),

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.target.operator_words import MANUAL, sticks
+from tests.target.operator_words import sticks
 from tests.target.sea import Sea, at_sea, texts
-from tests.target.stations import BOAT, FORMATION, LEADER, Station
+from tests.target.stations import BOAT, FORMATION, LEADER, MANUAL, Station
 
 SWITCH = 7
 RECEIVER = Station(BOAT, 140)

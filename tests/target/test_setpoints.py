@@ -11,9 +11,19 @@ from pymavlink.dialects.v20 import common as mavlink
 from tests.target.hull import Afloat
 from tests.target.plans import at
 from tests.target.sea import acks, texts
-from tests.target.stations import ACCEPTED, BOAT, GCS, HOLD, Station
-from tests.target.test_auto import AUTO, at_sea, place
-from tests.target.test_going_and_waiting import GUIDED, PAUSE, REPOSITION, reposition
+from tests.target.stations import (
+    ACCEPTED,
+    AUTO,
+    BOAT,
+    GCS,
+    GUIDED,
+    HOLD,
+    PAUSE,
+    REPOSITION,
+    Station,
+)
+from tests.target.test_auto import at_sea, place
+from tests.target.test_going_and_waiting import reposition
 
 IGNORED = 64 | 128 | 256 | 1024  # accelerations, yaw
 PLACE, VELOCITY, YAW_RATE = 1 | 2 | 4, 8 | 16 | 32, 2048

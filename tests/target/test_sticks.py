@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import pytest
 
-from tests.target.operator_words import MANUAL, drive, enter_manual, sticks
+from tests.target.operator_words import drive, enter_manual, sticks
 from tests.target.sea import Sea, acks
 from tests.target.stations import (
     ACCEPTED,
     ARM,
     BOAT,
     GCS,
+    MANUAL,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,

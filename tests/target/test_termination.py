@@ -9,15 +9,7 @@ from typing import Any
 import pytest
 
 from tests.target.course import TURN
-from tests.target.operator_words import (
-    ENTER,
-    MANUAL,
-    MOTOR_TEST,
-    TERMINATE,
-    command_int,
-    drive,
-    enter_fault,
-)
+from tests.target.operator_words import ENTER, command_int, drive, enter_fault
 from tests.target.sea import Sea, acks, named
 from tests.target.stations import (
     ACCEPTED,
@@ -29,8 +21,11 @@ from tests.target.stations import (
     GCS,
     HOLD,
     LEADER,
+    MANUAL,
+    MOTOR_TEST,
     SET_MODE,
     TEMPORARILY_REJECTED,
+    TERMINATE,
     Station,
     command_long,
 )

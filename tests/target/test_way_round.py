@@ -26,12 +26,13 @@ from tests.target.plans import (
     circle,
     corners,
     rally,
+    send,
 )
-from tests.target.stations import BOAT, HOLD, ORIGIN, origin
+from tests.target.stations import BOAT, FENCE_ENABLE, HOLD, LOITER, ORIGIN, REPOSITION, RTL, origin
 from tests.target.test_auto import at_sea, place
-from tests.target.test_fence_kept import HULL, send, words
+from tests.target.test_fence_kept import HULL
+from tests.target.test_long_texts import words
 
-RTL, REPOSITION, LOITER_MODE, FENCE_ENABLE = 11, 192, 5, 207
 NO_WAY = "no path inside the fence: boat waits"
 ROUND = "straight path crosses the fence: going round it"
 Points = list[tuple[float, float]]
@@ -149,7 +150,7 @@ def test_rtl_sails_the_shortest_way_that_keeps_the_margin(name: str) -> None:
     while math.hypot(*track[-1]) > 0.3 and len(track) < 2000:
         sea.run(0.2)
         track.append(place(sea))
-    assert sea.state == "RTL" and ROUND in words(sea)
+    assert sea.state == "RTL" and ROUND in words(sea.ticks)
     assert len(track) < 2000, track[-1]
     sailed = np.asarray(track)
     assert clearance(sailed, outs, ins).min() > 0.8 * HULL
@@ -168,7 +169,7 @@ def test_rtl_keeps_the_margin_from_a_rock_beside_the_straight_way() -> None:
         sea.hull.current = (0.0, 0.3 * (place(sea)[0] < 21))
         sea.run(0.2)
         track.append(place(sea))
-    assert "straight path nears the fence: going round it" in words(sea)
+    assert "straight path nears the fence: going round it" in words(sea.ticks)
     assert clearance(np.asarray(track), [rock], []).min() > 0.4
     assert sea.state == "RTL" and track[-1] == pytest.approx((0, 0), abs=0.3)
 
@@ -181,7 +182,7 @@ def test_rtl_sails_straight_through_a_gap_narrower_than_the_margin() -> None:
     assert send(sea, FENCE, items(zones, [shore])) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(90.0)
-    assert "no way round: straight path nears the fence" in words(sea) and sea.state == "RTL"
+    assert "no way round: straight path nears the fence" in words(sea.ticks) and sea.state == "RTL"
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
 
 
@@ -190,7 +191,7 @@ def test_without_a_way_back_the_boat_waits_and_reports_it() -> None:
     assert send(sea, FENCE, BARRIER) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(10.0)
-    assert NO_WAY in words(sea) and sea.state == "RTL"
+    assert NO_WAY in words(sea.ticks) and sea.state == "RTL"
     assert place(sea) == pytest.approx((20, 0), abs=0.1)
 
 
@@ -199,7 +200,7 @@ def test_rtl_without_a_way_sets_out_once_the_fence_is_switched_off() -> None:
     assert send(sea, FENCE, BARRIER) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(35.0)
-    assert words(sea).count(NO_WAY) == 1 and place(sea) == pytest.approx((20, 0), abs=0.1)
+    assert words(sea.ticks).count(NO_WAY) == 1 and place(sea) == pytest.approx((20, 0), abs=0.1)
     sea.order(FENCE_ENABLE, 0.0)
     sea.run(60.0)
     assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.1)
@@ -217,7 +218,7 @@ def test_rtl_finds_its_way_though_the_origin_moves_while_it_searches() -> None:
     sea.say(moved, sender=sea.own.station)
     sea.hull.q[0] += north_m
     sea.run(90.0)
-    assert sea.state == "RTL" and ROUND in words(sea)
+    assert sea.state == "RTL" and ROUND in words(sea.ticks)
     assert place(sea) == pytest.approx((north_m, 0), abs=0.3)
 
 
@@ -232,7 +233,7 @@ def test_rtl_is_straight_beyond_the_fences_map() -> None:
     before = place(sea)[0]
     sea.mode(RTL)
     sea.run(30.0)
-    assert sea.state == "RTL" and place(sea)[0] > before + 8 and NO_WAY not in words(sea)
+    assert sea.state == "RTL" and place(sea)[0] > before + 8 and NO_WAY not in words(sea.ticks)
 
 
 def test_rtl_from_outside_the_fence_sails_home() -> None:
@@ -241,7 +242,7 @@ def test_rtl_from_outside_the_fence_sails_home() -> None:
     assert send(sea, FENCE, ring) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(70.0)
-    assert sea.state == "RTL" and NO_WAY not in words(sea), words(sea)
+    assert sea.state == "RTL" and NO_WAY not in words(sea.ticks), words(sea.ticks)
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
 
 
@@ -253,7 +254,7 @@ def test_a_boat_returns_home_if_no_way_to_a_rally_point_is_straight_but_that_one
     assert send(sea, RALLY, [rally(30, 0)]) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(60.0)
-    assert sea.state == "RTL" and NO_WAY not in words(sea)
+    assert sea.state == "RTL" and NO_WAY not in words(sea.ticks)
     assert place(sea) == pytest.approx((0, 0), abs=0.1)
 
 
@@ -264,13 +265,13 @@ def test_a_boat_in_rtl_finds_a_way_round_a_fence_enabled_later() -> None:
     sea.order(FENCE_ENABLE, 0.0)
     sea.mode(RTL)
     set_out(sea)
-    assert ROUND not in words(sea)
+    assert ROUND not in words(sea.ticks)
     sea.order(FENCE_ENABLE, 1.0)
     track = [place(sea)]
     while math.hypot(*track[-1]) > 0.3 and len(track) < 1000:
         sea.run(0.2)
         track.append(place(sea))
-    assert sea.state == "RTL" and words(sea).count(ROUND) == 1
+    assert sea.state == "RTL" and words(sea.ticks).count(ROUND) == 1
     assert len(track) < 1000, track[-1]
     assert clearance(np.asarray(track), [WALL], []).min() > 0.8 * HULL
 
@@ -280,7 +281,7 @@ def test_a_boat_in_rtl_waits_if_a_fence_closes_its_way(state: str) -> None:
     sea = away((20, 0))
     close_the_way_home(sea, state, BARRIER)
     sea.run(30.0)
-    assert sea.state == state and words(sea).count(NO_WAY) == 1
+    assert sea.state == state and words(sea.ticks).count(NO_WAY) == 1
     assert place(sea)[0] > 12.5
     waits = place(sea)
     sea.run(5.0)
@@ -292,7 +293,7 @@ def test_a_boat_that_waits_sets_out_again_when_the_fence_is_switched_off(repeate
     sea = away((20, 0))
     close_the_way_home(sea, "GUIDED", BARRIER)
     sea.run(30.0)
-    assert NO_WAY in words(sea) and place(sea)[0] > 12.5
+    assert NO_WAY in words(sea.ticks) and place(sea)[0] > 12.5
     sea.order(FENCE_ENABLE, 0.0)
     if repeated:
         go_to(sea, 0, 0)
@@ -309,10 +310,10 @@ def test_a_boat_that_waits_finds_a_way_that_opens_though_the_fence_stays(state: 
     ring: Points = [(-6, -28), (-6, 28), (30, 28), (30, -28)]
     close_the_way_home(sea, state, corners(KEEP_OUT, wall) + corners(KEEP_IN, ring))
     sea.run(25.0)
-    assert NO_WAY in words(sea) and place(sea)[0] > 12.5
+    assert NO_WAY in words(sea.ticks) and place(sea)[0] > 12.5
     sea.say(param_set("WP_WIDTH", 0.0))
     sea.run(12.0)
-    assert sea.state == state and ROUND in words(sea) and words(sea).count(NO_WAY) == 1
+    assert sea.state == state and ROUND in words(sea.ticks) and words(sea.ticks).count(NO_WAY) == 1
     sea.run(150.0)
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
 
@@ -336,7 +337,7 @@ def test_a_boat_that_leaves_rtl_gives_up_the_search() -> None:
     sea = away((20, 0))
     assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED
     sea.mode(RTL)
-    sea.mode(LOITER_MODE)
+    sea.mode(LOITER)
     sea.run(10.0)
-    assert sea.state == "LOITER" and ROUND not in words(sea)
+    assert sea.state == "LOITER" and ROUND not in words(sea.ticks)
     assert place(sea) == pytest.approx((20, 0), abs=0.1)

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from sil.wire.heartbeat import FORMATION
 from tests.target.reference_fleet import ReferenceFleet
+from tests.target.stations import ARM, SET_MODE
 
 H_US = 10_000
 LOCAL = (100.0, "local", 0.0)
 EXACT = (0, 0.0)
-SET_MODE, ARM = 176, 400
+
 # Each boat of a diamond: the agent it follows (0 the virtual leader), north, east.
 DIAMOND = ((0, 0.0, 0.0), (1, -2.0, 2.0), (1, -2.0, -2.0), (2, -2.0, -2.0))
 # Surge and yaw of a small hull: its mass, damping, greatest thrust and lever arm of a propeller.

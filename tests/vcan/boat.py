@@ -26,6 +26,7 @@ from sil.live.ordinary_user import ordinary_user
 from sil.live.parameter_file import set_up
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
+from tests.flotillad import FLOTILLAD
 from tests.linux.process import PATIENT
 from tests.punctual import lateness
 from tests.target.agent import START_US, Agent
@@ -48,7 +49,6 @@ from tests.target.stations import (
 )
 from tests.vcan.bus import INTERFACE, Can
 
-FLOTILLAD = Path(__file__).parents[2] / "build" / "release" / "firmware" / "flotillad"
 ESC_NODES = (31, 32)
 ACCEPTED = 0
 

@@ -6,7 +6,7 @@ import pytest
 from sil.faults import live_matrix
 from sil.faults.fault_outcome import Outcome
 from sil.faults.live_strikes import STRIKES
-from sil.live.live_world import FLOTILLAD
+from tests.flotillad import needs_flotillad
 
 NAMES = [row.name for row in live_matrix.limits()]
 
@@ -17,8 +17,7 @@ def outcomes() -> dict[str, Outcome]:
 
     The machine may be late, so a fault that fails counts as taken if it passes twice after that.
     """
-    if not FLOTILLAD.exists():
-        pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
+    needs_flotillad()
     first = {one.fault: one for one in live_matrix.sail()}
     if all(one.passed for one in first.values()):
         return first

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from sil.wire.esc_node import COMMAND_TIMEOUT_US
+from tests.flotillad import needs_flotillad
 from tests.target.bus import (
     ARMING_STATUS,
     GET_NODE_INFO,
@@ -27,7 +28,7 @@ from tests.target.bus import (
     transfers,
     type_of,
 )
-from tests.vcan.boat import FLOTILLAD, Boat
+from tests.vcan.boat import Boat
 from tests.vcan.bus import INTERFACE, URGENT, Can, Candump, run
 from tests.vcan.conftest import Shape
 
@@ -41,8 +42,7 @@ FOREIGN = {"RawCommand": "0704062A#641900C0", "ArmingStatus": "18044C2A#FFC0"}
 
 @pytest.fixture(autouse=True, scope="module")
 def _program() -> None:
-    if not FLOTILLAD.exists():
-        pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
+    needs_flotillad()
 
 
 @pytest.fixture

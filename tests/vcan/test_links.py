@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.linux.process import PROGRAM, RealSea
+from tests.flotillad import needs_flotillad
+from tests.linux.process import RealSea
 from tests.vcan.bus import run
 
 FAR = "198.51.100.7"  # nobody's: RFC 5737
@@ -16,8 +17,7 @@ PORT = 14550
 
 @pytest.fixture
 def sea(tmp_path: Path) -> Iterator[RealSea]:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     with RealSea(0, tmp_path) as sea:
         yield sea
 

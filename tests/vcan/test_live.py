@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sil.live.live_world import FLOTILLAD
 from sil.lockstep import metrics
 from sil.lockstep.world import Run
 from sil.lockstep.world import sail as sail_in_lockstep
 from sil.report import one_run
 from sil.scenario import scenario
+from tests.flotillad import needs_flotillad
 from tests.punctual import sail_punctually
 
 
@@ -23,8 +23,7 @@ from tests.punctual import sail_punctually
 def test_boats_on_vcan_are_where_the_lockstep_has_them(
     boats: int, duration_s: int, tmp_path: Path
 ) -> None:
-    if not FLOTILLAD.exists():
-        pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
+    needs_flotillad()
     diamond = scenario.load("diamond", [f"duration_s={duration_s}"])
     fleet = diamond.model_copy(update={"boat": diamond.boat[:boats]})
 

@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 from sil.live.ordinary_user import ordinary_user
-from tests.linux.process import LOOPBACK, PROGRAM, ROOT, RealSea
+from tests.flotillad import FLOTILLAD, needs_flotillad
+from tests.linux.process import LOOPBACK, ROOT, RealSea
 
 SHIPPED = ROOT / "firmware" / "linux" / "boat.toml"
 LINK = f"udpout:{LOOPBACK}:14550"
 
 
 def run(*options: object) -> subprocess.CompletedProcess[str]:
-    if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    needs_flotillad()
     return subprocess.run(
-        [*ordinary_user(), PROGRAM, *map(str, options)],
+        [*ordinary_user(), FLOTILLAD, *map(str, options)],
         capture_output=True,
         text=True,
         timeout=20,
@@ -123,10 +123,11 @@ def test_a_boat_without_any_link_is_a_mistake(tmp_path: Path) -> None:
 
 
 def test_flotillad_refuses_to_run_as_root(tmp_path: Path) -> None:
+    needs_flotillad()
     if os.geteuid() != 0:
         pytest.skip("only root can try")
     done = subprocess.run(
-        [PROGRAM, "--can=mcast:5", f"--mavlink={LINK}", f"--state-dir={tmp_path / 'state'}"],
+        [FLOTILLAD, "--can=mcast:5", f"--mavlink={LINK}", f"--state-dir={tmp_path / 'state'}"],
         capture_output=True,
         text=True,
         timeout=20,

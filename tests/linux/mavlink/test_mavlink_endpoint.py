@@ -4,7 +4,6 @@
 import os
 import socket
 import threading
-from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
@@ -20,13 +19,6 @@ from tests.target.stations import BOAT, GCS, Station, command_long, decode
 from tests.turns import some
 
 RATE_BPS = 800
-
-
-@pytest.fixture
-def opened() -> Iterator[ExitStack]:
-    """Closes what a test opens besides the sea's links."""
-    with ExitStack() as stack:
-        yield stack
 
 
 def test_udpin_answers_every_peer_it_has_heard_and_no_other(

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from sil.certificate import certificate_files, certificate_report, chain, margins, search
-from sil.certificate.certificate import Certificate, certify
-from sil.scenario import scenario
+from sil.certificate import certificate_files, certificate_report
+from sil.certificate.certificate import Certificate
+from tests.sil.certificate.made_up import quick_certificate
 from tests.turns import some
 
 INPUTS = "leader.input=[{surge_N = 2.0}, {from_s = 100.0}]"
@@ -22,15 +22,8 @@ INPUTS = "leader.input=[{surge_N = 2.0}, {from_s = 100.0}]"
 
 @pytest.fixture(scope="module")
 def two_legs() -> Certificate:
-    patch = pytest.MonkeyPatch()
-    patch.setattr(search, "SEARCH_CYCLES", 0)
-    patch.setattr(margins, "STEPS", 0)
-    patch.setattr(chain, "MOST_DEPTH", 0)
-    try:
-        chosen = scenario.load("diamond", [INPUTS, "boat.3.parameters={LAW_KX = 0.4}"], "product")
-        return certify(chosen, {}, lambda what, share: None)
-    finally:
-        patch.undo()
+    overrides = [INPUTS, "boat.3.parameters={LAW_KX = 0.4}"]
+    return quick_certificate("diamond", overrides, "product")
 
 
 @pytest.fixture(scope="module")

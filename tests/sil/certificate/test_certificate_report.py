@@ -16,14 +16,11 @@ from tests.sil.certificate.made_up import SINE
 
 @pytest.fixture(scope="module")
 def straight() -> Certificate:
-    patch = pytest.MonkeyPatch()
-    patch.setattr(search, "SEARCH_CYCLES", 60)
-    patch.setattr(certificate, "_chain", lambda *_: (None, None))  # no test here needs it
-    try:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "SEARCH_CYCLES", 60)
+        patch.setattr(certificate, "_chain", lambda *_: (None, None))  # no test here needs it
         slew = {"THR_SLEW": 5.0, "THR_DEAD": 0.01}
         return certify(scenario.load("diamond", [SINE], "product"), slew, lambda what, share: None)
-    finally:
-        patch.undo()
 
 
 def told(certificate: Certificate) -> str:

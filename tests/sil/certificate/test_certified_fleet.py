@@ -7,6 +7,7 @@ import pytest
 from sil.certificate.certified_fleet import fleet, parameters, vessel_of
 from sil.certificate.references import references
 from sil.scenario import scenario
+from tests.sil.certificate.made_up import SINE
 
 
 def groups(name: str, *overrides: str) -> list[list[int]]:
@@ -30,9 +31,7 @@ def test_in_a_current_boat_1_follows_a_leader_that_does_not_feel_it() -> None:
 
 
 def test_follower_of_a_boat_in_a_current_has_a_leader_that_heads_up() -> None:
-    chosen = scenario.load(
-        "diamond", ["water.current_mps=[0.0, 0.1]", "leader.input.1.yaw_sine_Nm=0.0"]
-    )
+    chosen = scenario.load("diamond", ["water.current_mps=[0.0, 0.1]", SINE])
     (_, _, first), (_, _, others) = fleet(chosen, references(chosen)[0], parameters(chosen, {}))
     now = np.zeros(1)
     assert first.leader.eta(now)[0, 2] == 0.0

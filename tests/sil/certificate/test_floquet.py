@@ -5,22 +5,13 @@ import numpy as np
 import pytest
 
 from sil.certificate import floquet
-from sil.certificate.references import Reference, references
 from sil.plant.hull import HullParameters
-from sil.scenario import scenario
-
-VESSEL = HullParameters(m11=1.012, m22=1.982, m33=0.354, d11=3.436, d22=18.99, d33=0.864)
-SINE = "leader.input.1.yaw_sine_Nm=0.0"
-
-
-def reference(*overrides: str) -> Reference:
-    (found,) = references(scenario.load("diamond", overrides))
-    return found
+from tests.sil.certificate.made_up import SINE, TURN, VESSEL, reference
 
 
 @pytest.mark.parametrize("k_x", [0.05, 0.2, 0.9])
 def test_multipliers_in_a_constant_turn_are_those_of_a_constant_matrix(k_x: float) -> None:
-    turning = reference(SINE, "leader.input.1.yaw_Nm=0.15")
+    turning = reference(*TURN)
     w = turning.omega_max
     a, b = VESSEL.d22 / VESSEL.m22, VESSEL.m11 / VESSEL.m22
     matrix = np.array([[-k_x, w, 0.0], [-w, 0.0, 1.0], [b * k_x * w, 0.0, -a]])

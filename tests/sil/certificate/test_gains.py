@@ -18,26 +18,21 @@ def somewhere(setup: Boat) -> tuple[Boat, Points]:
     return setup, monodromy.on_slot(setup, monodromy.instants(setup, 1, windows=1))
 
 
-def hill(top: dict[str, float]) -> "pytest.MonkeyPatch":
-    """A decay with a single maximum over the logarithms of the gains."""
-    patch = pytest.MonkeyPatch()
+def hill(patch: pytest.MonkeyPatch, top: dict[str, float]) -> None:
+    """Make the decay a hill over the logarithms of the gains, with one top."""
 
     def decay(setup: Boat, points: Points) -> tuple[float, float]:
         away = sum(math.log(setup.parameters[name] / x) ** 2 for name, x in top.items())
         return 0.05, 0.3 - 0.01 * away
 
     patch.setattr(search, "quick_decay", decay)
-    return patch
 
 
-def test_search_finds_the_top_of_a_hill() -> None:
+def test_search_finds_the_top_of_a_hill(monkeypatch: pytest.MonkeyPatch) -> None:
     top = {"LAW_KX": 0.31, "LAW_KPSI": 0.7}
-    patch = hill(top)
+    hill(monkeypatch, top)
     shares: list[float] = []
-    try:
-        found = fastest([somewhere(boat())], shares.append)
-    finally:
-        patch.undo()
+    found = fastest([somewhere(boat())], shares.append)
     assert found.complete and set(found.gains) == set(top)
     for name, gain in top.items():
         assert math.log(found.gains[name] / gain) == pytest.approx(0.0, abs=0.1)
@@ -45,13 +40,10 @@ def test_search_finds_the_top_of_a_hill() -> None:
     assert shares == sorted(shares) and shares[-1] == 1.0 and shares[0] > 0.0
 
 
-def test_look_ahead_is_searched_where_the_law_has_one() -> None:
+def test_look_ahead_is_searched_where_the_law_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
     top = {"LAW_KX": 0.31, "LAW_KPSI": 0.7, "LAW_XT_DIST": 1.9}
-    patch = hill(top)
-    try:
-        found = fastest([somewhere(boat(law="product"))], lambda _: None)
-    finally:
-        patch.undo()
+    hill(monkeypatch, top)
+    found = fastest([somewhere(boat(law="product"))], lambda _: None)
     assert found.gains["LAW_XT_DIST"] == pytest.approx(1.9, rel=0.15)
 
 
@@ -82,12 +74,11 @@ def test_search_of_costly_loops_is_completed_on_a_coarser_grid(
     assert found.complete and 25 < found.evaluations <= 50
 
 
-def test_gain_at_the_end_of_its_range_and_todays_decay_are_reported() -> None:
-    patch = hill({"LAW_KX": 50.0, "LAW_KPSI": 0.7})
-    try:
-        found = fastest([somewhere(boat())], lambda _: None)
-    finally:
-        patch.undo()
+def test_gain_at_the_end_of_its_range_and_todays_decay_are_reported(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hill(monkeypatch, {"LAW_KX": 50.0, "LAW_KPSI": 0.7})
+    found = fastest([somewhere(boat())], lambda _: None)
     assert found.at_end == ["LAW_KX"] and found.gains["LAW_KX"] == pytest.approx(2.0)
     own = boat().parameters
     away = math.log(own["LAW_KX"] / 50.0) ** 2 + math.log(own["LAW_KPSI"] / 0.7) ** 2

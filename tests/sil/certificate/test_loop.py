@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 
 from sil.certificate.loop import COMPONENTS, Loop, leader_rows
-from sil.certificate.references import references
 from sil.lockstep.world import World
 from sil.plant.hull import Array
 from sil.scenario.scenario import load
-from tests.sil.certificate.made_up import TURN, boat
+from tests.sil.certificate.made_up import TURN, boat, reference
 
 
 def sail(loop: Loop, ticks: int) -> None:
@@ -30,10 +29,10 @@ def test_boat_sails_as_its_firmware_does_on_the_wire(
     loop = Loop(boat(*start, "boat.1.propellers.lag_s=0.1"), 1)
     loop.start(0)
     loop.eta[:], loop.nu[:] = trace["eta"][0, 1], trace["nu"][0, 1]
-    reference = trace["eta"][:, 0], trace["nu"][:, 0]
-    rate = np.gradient(reference[1], 0.01, axis=0)
+    leader_eta, leader_nu = trace["eta"][:, 0], trace["nu"][:, 0]
+    rate = np.gradient(leader_nu, 0.01, axis=0)
     poses = []
-    for row in np.hstack([*reference, rate]):
+    for row in np.hstack([leader_eta, leader_nu, rate]):
         poses.append(loop.eta[0].copy())
         loop.step(row)
     # the wire rounds, and the follower must estimate its leader's acceleration
@@ -94,9 +93,8 @@ def test_propeller_with_a_known_curve_gives_the_thrust_requested(expo: float) ->
     loop = Loop(boat(*changed, changed={"THR_EXPO": expo}), 1)
     loop.start(0)
     sail(loop, 800)
-    (reference,) = references(load("diamond", TURN))
     np.testing.assert_allclose(loop.thrust, [[1.3, 0.7]], atol=0.02)
-    slot: Array = reference.motion.eta(np.array([8.0]))
+    slot: Array = reference(*TURN).motion.eta(np.array([8.0]))
     np.testing.assert_allclose(loop.eta, slot, atol=1e-3)
 
 

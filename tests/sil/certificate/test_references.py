@@ -8,13 +8,7 @@ from scipy.integrate import solve_ivp
 from sil.certificate.references import Reference, references
 from sil.plant.hull import Array, HullParameters
 from sil.scenario import presets, scenario
-
-SINE = "leader.input.1.yaw_sine_Nm=0.0"
-
-
-def reference(*overrides: str) -> Reference:
-    (found,) = references(scenario.load("diamond", overrides))
-    return found
+from tests.sil.certificate.made_up import AT_REST, SINE, reference
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +65,7 @@ def test_straight_leg_excites_nothing() -> None:
 
 
 def test_leader_without_thrust_comes_to_rest() -> None:
-    idle = reference(SINE, "leader.input.1.surge_N=0.0", "leader.nu=[0.5, 0.1, 0.2]")
+    idle = reference(*AT_REST, "leader.nu=[0.5, 0.1, 0.2]")
     assert idle.kind == "rest"
     np.testing.assert_array_equal(idle.motion.nu_periodic.values, [[0.0, 0.0, 0.0]])
 

@@ -5,26 +5,19 @@ import numpy as np
 import pytest
 
 from sil.certificate.motion import Motion, Series, body_from_ground
-from sil.certificate.references import references
 from sil.certificate.slots import slot_motion
 from sil.plant import hull
 from sil.plant.hull import Array, HullParameters
 from sil.scenario import scenario
+from tests.sil.certificate.made_up import AT_REST, SINE, TURN, VESSEL, reference
 
-NOMINAL = HullParameters(m11=1.012, m22=1.982, m33=0.354, d11=3.436, d22=18.99, d33=0.864)
 LONG = HullParameters(2.0, 4.5, 1.4, 6.0, 30.0, 3.0, m23=0.2, crossflow=15.0, length_m=1.5)
 HERE = np.zeros(2)
-SINE = "leader.input.1.yaw_sine_Nm=0.0"
-
-
-def leader(*overrides: str) -> Motion:
-    (found,) = references(scenario.load("diamond", overrides))
-    return found.motion
 
 
 def test_hull_like_the_leaders_needs_the_leaders_input_anywhere_beside_it() -> None:
-    motion = leader()
-    slot = slot_motion(NOMINAL, HERE, motion, np.array([-2.0, 3.0]), False)
+    motion = reference().motion
+    slot = slot_motion(VESSEL, HERE, motion, np.array([-2.0, 3.0]), False)
     wanted = scenario.load("diamond").leader.tau(motion.times_s)
     np.testing.assert_allclose(slot.tau, wanted, atol=1e-6)
     shift = slot.motion.eta(motion.times_s) - motion.eta(motion.times_s)
@@ -32,37 +25,37 @@ def test_hull_like_the_leaders_needs_the_leaders_input_anywhere_beside_it() -> N
 
 
 def test_boat_in_a_cross_current_heads_up_into_it_and_drives_through_the_water() -> None:
-    motion, current = leader(SINE), np.array([0.0, 0.1])
-    speed = 2.0 / NOMINAL.d11
-    slot = slot_motion(NOMINAL, current, motion, HERE, False)
+    motion, current = reference(SINE).motion, np.array([0.0, 0.1])
+    speed = 2.0 / VESSEL.d11
+    slot = slot_motion(VESSEL, current, motion, HERE, False)
     assert slot.motion.eta(np.zeros(1))[0, 2] == pytest.approx(-np.arctan2(0.1, speed), abs=1e-8)
-    drag = NOMINAL.d11 * np.hypot(speed, 0.1)
+    drag = VESSEL.d11 * np.hypot(speed, 0.1)
     np.testing.assert_allclose(slot.tau, [[drag, 0.0]], atol=1e-6)
 
 
 def test_boat_on_a_slot_at_rest_in_a_current_heads_against_it() -> None:
-    still = leader(SINE, "leader.input.1.surge_N=0.0")
-    slot = slot_motion(NOMINAL, np.array([0.0, 0.2]), still, HERE, False)
+    still = reference(*AT_REST).motion
+    slot = slot_motion(VESSEL, np.array([0.0, 0.2]), still, HERE, False)
     assert np.sin(slot.motion.eta(np.zeros(1))[0, 2]) == pytest.approx(-1.0)
-    np.testing.assert_allclose(slot.tau, [[0.2 * NOMINAL.d11, 0.0]], atol=1e-6)
+    np.testing.assert_allclose(slot.tau, [[0.2 * VESSEL.d11, 0.0]], atol=1e-6)
 
 
 def test_boat_on_a_slot_at_rest_needs_nothing() -> None:
-    still = leader(SINE, "leader.input.1.surge_N=0.0")
-    slot = slot_motion(NOMINAL, HERE, still, np.array([2.0, 1.0]), False)
+    still = reference(*AT_REST).motion
+    slot = slot_motion(VESSEL, HERE, still, np.array([2.0, 1.0]), False)
     np.testing.assert_array_equal(slot.tau, [[0.0, 0.0]])
     assert slot.sway_N == 0.0
 
 
 def test_slot_that_turns_with_the_leader_keeps_its_place_beside_it() -> None:
-    motion = leader(SINE, "leader.input.1.yaw_Nm=0.15")
-    slot = slot_motion(NOMINAL, HERE, motion, np.array([-1.5, 1.0]), True)
+    motion = reference(*TURN).motion
+    slot = slot_motion(VESSEL, HERE, motion, np.array([-1.5, 1.0]), True)
     times_s = np.linspace(0.0, 70.0, 40)
     there, lead = slot.motion.eta(times_s), motion.eta(times_s)
     seen = body_from_ground(lead[:, 2], there[:, :2] - lead[:, :2])
     np.testing.assert_allclose(seen, np.tile([-1.5, 1.0], (40, 1)), atol=1e-8)
     u, v, r = slot.motion.nu(times_s).T
-    p = NOMINAL
+    p = VESSEL
     np.testing.assert_allclose(p.m11 * u * r + p.d22 * v, 0.0, atol=1e-6)
     np.testing.assert_allclose(slot.tau[:, 0], p.d11 * u[0] - p.m22 * v[0] * r[0], atol=1e-6)
 
@@ -81,13 +74,13 @@ def sailed(parameters: HullParameters, current: Array, slot: Motion, tau: Array)
     return np.array(poses)
 
 
-@pytest.mark.parametrize("parameters", [NOMINAL, LONG])
+@pytest.mark.parametrize("parameters", [VESSEL, LONG])
 @pytest.mark.parametrize("turning", [False, True])
 def test_hull_under_its_slots_wrench_sails_along_its_slot(
     parameters: HullParameters, turning: bool
 ) -> None:
     current, offset_m = np.array([0.06, -0.08]), np.array([-0.4, 0.3])
-    slot = slot_motion(parameters, current, leader(), offset_m, turning)
+    slot = slot_motion(parameters, current, reference().motion, offset_m, turning)
     assert slot.sway_N < 1e-6
     poses = sailed(parameters, current, slot.motion, slot.tau)
     times_s = slot.motion.begin_s + 0.01 * np.arange(1, len(poses) + 1, dtype=float)

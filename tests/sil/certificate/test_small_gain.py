@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from sil.certificate.motion import motion_of
-from sil.certificate.references import Reference, references
+from sil.certificate.references import Reference
 from sil.certificate.small_gain import SmallGain, small_gain
-from sil.plant.hull import HullParameters
-from sil.scenario import scenario
 from sil.scenario.sections import Input
-
-VESSEL = HullParameters(m11=1.012, m22=1.982, m33=0.354, d11=3.436, d22=18.99, d33=0.864)
+from tests.sil.certificate.made_up import SINE, VESSEL, reference
 
 
 def made_up(T: float, mu: float, omega: float, omega_dot: float = 0.0) -> Reference:
@@ -23,8 +20,7 @@ def made_up(T: float, mu: float, omega: float, omega_dot: float = 0.0) -> Refere
 
 @pytest.fixture(scope="module")
 def paper() -> SmallGain:
-    (reference,) = references(scenario.load("diamond"))
-    return small_gain(VESSEL, reference, 0.2, 0.2)
+    return small_gain(VESSEL, reference(), 0.2, 0.2)
 
 
 def test_papers_gains_do_not_pass_the_papers_test(paper: SmallGain) -> None:
@@ -50,14 +46,13 @@ def test_formulas_agree_with_a_calculation_by_hand() -> None:
 
 
 def test_each_formula_is_one_at_its_largest_gain(paper: SmallGain) -> None:
-    (reference,) = references(scenario.load("diamond"))
     for name, value in (
         ("product", paper.k_x_product),
         ("above_square_of_sum", paper.k_x_square_of_sum),
         ("above_sum_of_squares", paper.k_x_sum_of_squares),
     ):
         assert value is not None
-        there = small_gain(VESSEL, reference, value, 0.2)
+        there = small_gain(VESSEL, reference(), value, 0.2)
         assert getattr(there, name) == pytest.approx(1.0, abs=1e-6)
 
 
@@ -78,8 +73,7 @@ def test_yaw_acceleration_counts_where_it_is_larger() -> None:
 
 
 def test_without_excitation_the_formulas_are_infinite_and_certify_nothing() -> None:
-    (straight,) = references(scenario.load("diamond", ["leader.input.1.yaw_sine_Nm=0.0"]))
-    test = small_gain(VESSEL, straight, 0.2, 0.2)
+    test = small_gain(VESSEL, reference(SINE), 0.2, 0.2)
     assert not test.bound_holds
     assert math.isinf(test.product) and math.isinf(test.above_sum_of_squares)
     assert test.k_x_product is None and test.k_x_sum_of_squares is None

@@ -6,24 +6,10 @@ from typing import Any
 
 import pytest
 
-from sil.certificate import chain, margins, search, verdict
-from sil.certificate.certificate import Certificate, certify
+from sil.certificate import verdict
+from sil.certificate.certificate import Certificate
 from sil.certificate.sampled import Misled
-from sil.scenario import scenario
-from sil.scenario.law import Law
-from tests.sil.certificate.made_up import SINE
-
-
-def quick_certificate(name: str, overrides: list[str], law: Law | None) -> Certificate:
-    """Without search and margins."""
-    patch = pytest.MonkeyPatch()
-    patch.setattr(search, "SEARCH_CYCLES", 0)
-    patch.setattr(margins, "STEPS", 0)
-    patch.setattr(chain, "MOST_DEPTH", 0)
-    try:
-        return certify(scenario.load(name, overrides, law), {}, lambda what, share: None)
-    finally:
-        patch.undo()
+from tests.sil.certificate.made_up import SINE, quick_certificate
 
 
 @pytest.fixture(scope="module")

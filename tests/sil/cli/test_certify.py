@@ -10,9 +10,9 @@ import pytest
 
 from sil.certificate import certificate, chain, margins, search
 from sil.cli.main import main
+from tests.sil.certificate.made_up import SINE
 from tests.sil.mistakes import assert_told_in_one_line
 
-SINE = "leader.input.1.yaw_sine_Nm=0.0"
 QUICK = 200
 
 

@@ -41,6 +41,7 @@ BUS = 8
 SYSTEM, LEADER = 2, 100
 LINE = "serial:/dev/ttyNAV:115200"
 CONFIG = "/etc/flotilla/boat.toml"
+KEY_FILE = "/etc/flotilla/signing.key"
 KEY = bytes(range(100, 132))
 LISTEN_S = 0.7
 _SPEAK_S = 0.04
@@ -138,7 +139,7 @@ class Patient:
             "can": f'"mcast:{BUS}"',
             "mavlink": f'["{LINE},signing=off", "udpin:127.0.0.1:{self.port},signing=off"]',
             "state_dir": '"/var/lib/flotilla"',
-            "signing_key": '"/etc/flotilla/signing.key"',
+            "signing_key": f'"{KEY_FILE}"',
             "log": '"/var/log/flotilla"',
             "param": f"{{ MAV_SYSID = {SYSTEM}, FORM_LEADER = {LEADER} }}",
         } | changed
@@ -161,7 +162,7 @@ class Patient:
         self.put("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "ondemand\n")
         self.put("/sys/class/thermal/thermal_zone0/temp", "51540\n")
         self.put("/sys/devices/platform/soc/soc:firmware/get_throttled", "0\n")
-        self.put("/etc/flotilla/signing.key", KEY).chmod(0o600)
+        self.put(KEY_FILE, KEY).chmod(0o600)
         set_up(self.at("/var/lib/flotilla"), {})
         self.at("/var/log/flotilla").mkdir(parents=True)
         device = self.at("/dev/ttyNAV")

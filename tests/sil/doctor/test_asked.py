@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A flotillad that runs has its links: the doctor asks it, as a program of its computer."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -10,23 +10,11 @@ import pytest
 from sil.doctor.checkup import examine
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Finding
-from sil.live.live_world import FLOTILLAD
 from tests.linux.process import RealSea, Udp
-from tests.sil.doctor.patient import CONFIG, Patient
+from tests.sil.doctor.patient import CONFIG, KEY_FILE, Patient
 from tests.target.stations import BOAT
 
 ASKED_BUS = 9
-KEY_FILE = "/etc/flotilla/signing.key"
-
-
-@pytest.fixture
-def patient(tmp_path: Path) -> Iterator[Patient]:
-    if not FLOTILLAD.exists():
-        pytest.skip(f"{FLOTILLAD} is not built: tools/build release flotillad")
-    tmp_path.chmod(0o755)
-    patient = Patient(tmp_path)
-    yield patient
-    patient.close()
 
 
 def asked(

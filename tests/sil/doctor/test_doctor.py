@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import tarfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
@@ -25,25 +25,14 @@ from sil.doctor.collection import collect
 from sil.doctor.computer import Computer
 from sil.doctor.finding import Level
 from sil.doctor.machine_checks import machine
-from sil.live.live_world import FLOTILLAD
 from sil.live.ordinary_user import ordinary_user
-from tests.sil.doctor.patient import BUS, CONFIG, KEY, SYSTEM, Patient, Speaker
+from tests.flotillad import FLOTILLAD
+from tests.sil.doctor.patient import BUS, CONFIG, KEY, KEY_FILE, SYSTEM, Patient, Speaker
 from tests.sil.full_disk import full_disk
 
-KEY_FILE = "/etc/flotilla/signing.key"
 PARAMETERS = "/var/lib/flotilla/parameters.txt"
 SERVICE = "/etc/systemd/system/flotillad.service"
 BAD, DOUBT = Level.BAD, Level.DOUBT
-
-
-@pytest.fixture
-def patient(tmp_path: Path) -> Iterator[Patient]:
-    if not FLOTILLAD.exists():
-        pytest.skip(f"{FLOTILLAD} is not built: tools/build release flotillad")
-    tmp_path.chmod(0o755)
-    patient = Patient(tmp_path)
-    yield patient
-    patient.close()
 
 
 def rewrite(path: str, text: str | bytes) -> Callable[[Patient], None]:

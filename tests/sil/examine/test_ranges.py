@@ -19,9 +19,9 @@ SHORT = ["duration_s=5.0", "scalar='q16'"]
 # Two boats' worth of it: the same run with the module that notes its values.
 SAIL = """
 from sil.examine import ranges
-from sil.scenario import scenario
 library = ranges.observed()
 from sil.lockstep.world import sail
+from sil.scenario import scenario
 (run,) = sail([scenario.load("diamond", {short})], {{}}, digest=True)
 print(run.digest, len(ranges.seen(library.q16_take_seen().decode(), "")))
 """
@@ -35,6 +35,11 @@ def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
 def built() -> None:
     built = run(ROOT / "tools" / "build", "ranges")
     assert built.returncode == 0, built.stdout + built.stderr
+
+
+def test_the_module_leaves_the_choice_of_flotilla_to_its_caller() -> None:
+    only = "import sys; from sil.examine import ranges; sys.exit('flotilla' in sys.modules)"
+    assert run(sys.executable, "-c", only).returncode == 0
 
 
 @pytest.mark.nightly

@@ -31,7 +31,7 @@ def test_a_fault_that_is_not_recovered_from_ends_the_soak(monkeypatch: pytest.Mo
 
 
 def test_forbidden_thrust_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(soak, "_OFF", [STATES["FORMATION"]])
+    monkeypatch.setattr(soak, "OFF", [STATES["FORMATION"]])
     assert "forbidden thrust" in soaked(1).wrong[0]
 
 

@@ -333,7 +333,7 @@ class Signed:
 
     def __init__(self, waters: Waters, late_s: float, patch: pytest.MonkeyPatch) -> None:
         self.waters = waters
-        now, wait = signing._now, waters.wait
+        now, wait = signing.now, waters.wait
         signers = {boat: Signer(KEY, 3) for boat in BOATS}
 
         def sign(peer: Peer, data: bytes) -> bytes:
@@ -343,7 +343,7 @@ class Signed:
         def waited(ends: Sequence[End], for_s: float) -> Sequence[End]:
             told = wait(ends, for_s)
             with pytest.MonkeyPatch.context() as then:
-                then.setattr(signing, "_now", lambda: now() - round(late_s * 100_000))
+                then.setattr(signing, "now", lambda: now() - round(late_s * 100_000))
                 for air in waters.airs:
                     air.heard = [(peer, sign(peer, data)) for peer, data in air.heard]
             return told

@@ -3,17 +3,15 @@
 
 from pathlib import Path
 
-import pytest
 from rich.progress import Progress
 
 from sil.bench import bench
-from sil.live.live_world import FLOTILLAD
+from tests.flotillad import needs_flotillad
 from tests.live_buses import live_buses
 
 
 def test_a_flooded_boat_computes_as_many_ticks_as_the_one_beside_it(tmp_path: Path) -> None:
-    if not FLOTILLAD.exists():
-        pytest.skip(f"{FLOTILLAD} is not built: tools/build release flotillad")
+    needs_flotillad()
     with live_buses() as bus, Progress(disable=True) as progress:
         found = bench.measure_flooded(bus, 4.0, tmp_path, progress)
     assert found["datagrams_per_s"] > 2_000

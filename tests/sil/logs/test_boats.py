@@ -314,7 +314,7 @@ def test_the_log_folder_of_a_live_boat_is_converted(log: Path, tmp_path: Path) -
 
 
 def test_a_full_disk_is_reported_and_leaves_nothing(
-    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    log: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["convert", str(log), "--out", "/dev/full"]) == 2
     assert_told_in_one_line("/dev/full: No space left", capsys)
@@ -355,7 +355,7 @@ def test_an_invalid_position_is_left_out(place: tuple[float, float], tmp_path: P
     assert "/tf" not in topics  # the heading is unknown
 
 
-def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) -> None:
+def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path) -> None:
     mavlogdump = Path(sys.executable).parent / "mavlogdump.py"
     command = [
         sys.executable,

@@ -10,8 +10,7 @@ import pytest
 
 from sil.cli.main import main
 from sil.logs.run_folder import NAME
-from sil.scenario.wiring import ORIGIN
-from sil.wire.geodesy import LocalFrame
+from sil.scenario.wiring import WORLD
 
 ROOT = Path(__file__).parents[3]
 SAMPLES = 21
@@ -61,12 +60,11 @@ def test_rerun_finds_nothing_wrong_with_the_file(rerun: Path, folder: Path) -> N
 
 def test_every_fix_is_a_point_on_the_map(rerun: Path, rrd: Path, folder: Path) -> None:
     eta = np.load(folder / "trace.npz")["eta"]
-    world = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
     for agent, name in enumerate(("leader100", "boat1", "boat2", "boat3", "boat4")):
         assert rows(chunks(rerun, rrd, f"/{name}/fix", "-v"), "GeoPoints:positions") == SAMPLES
         printed = chunks(rerun, rrd, f"/{name}/fix", "-vvv")
         points = re.findall(r"\[\[(\d+\.\d+), (\d+\.\d+)\]\]", printed)
-        expected = [world.geodetic(*pose[agent].tolist())[:2] for pose in eta[::10]]
+        expected = [WORLD.geodetic(*pose[agent].tolist())[:2] for pose in eta[::10]]
         assert [(round(1e7 * float(n)), round(1e7 * float(e))) for n, e in points] == expected
 
 

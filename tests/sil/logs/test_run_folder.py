@@ -14,7 +14,7 @@ from sil.cli.main import main
 from sil.cli.main import main as flotilla
 from sil.logs.run_folder import EPOCH_S, NAME
 from sil.plant.hull import Array
-from sil.scenario.wiring import ORIGIN
+from sil.scenario.wiring import WORLD
 from sil.wire.geodesy import LocalFrame
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of, schemas_of
 from tests.sil.mistakes import assert_told_in_one_line
@@ -76,12 +76,11 @@ def test_states_errors_and_thrusts_are_those_of_the_trace(
 def test_fixes_are_the_poses_on_the_globe_to_a_centimetre(
     trace: dict[str, Array], topics: Topics
 ) -> None:
-    world = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
     for agent, name in enumerate(("leader100", "boat1", "boat2", "boat3", "boat4")):
         for t_ns, fix in some(topics[f"/{name}/fix"]):
             eta = trace["eta"][round(100.0 * seconds(t_ns)), agent]
             place = LocalFrame(round(fix.latitude * 1e7), round(fix.longitude * 1e7), 40.0)
-            assert place.seen_from(world, 0.0, 0.0, 0.0)[:2] == pytest.approx(eta[:2], abs=0.01)
+            assert place.seen_from(WORLD, 0.0, 0.0, 0.0)[:2] == pytest.approx(eta[:2], abs=0.01)
             assert (fix.frame_id, fix.timestamp.ToNanoseconds()) == (name, t_ns)
 
 

@@ -56,7 +56,7 @@ def test_eight_boats_with_their_profile_share_a_radio_and_keep_their_slots(
     assert "NAMED_VALUE_FLOAT" in radio["bytes_per_s"]  # telemetry is slowed down, not switched off
 
 
-def test_the_table_has_shares_and_parameters_to_paste(tmp_path: Path) -> None:
+def test_the_table_has_shares_and_parameters_to_paste() -> None:
     radio: radio_share.Radio = {"bytes_per_s": {"HEARTBEAT": 34.0}, "share": 0.5, "rms_m": 0.02}
     console = Console(record=True, width=100)
     console.print(radio_share.table({"one boat": radio, "profile 8": radio}))

@@ -85,7 +85,7 @@ def files(folder: Path) -> set[str]:
 
 
 def test_whole_run_sails_every_scenario_with_both_laws_and_mismatch_with_40_seeds(
-    sail: Callable[..., list[Job]], tmp_path: Path
+    sail: Callable[..., list[Job]],
 ) -> None:
     jobs = sail(fleet)
     assert results.main(options()) == 0
@@ -234,7 +234,6 @@ def test_fleets_are_judged_and_renew_their_table_and_no_other(
     sail: Callable[..., list[Job]],
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
 ) -> None:
     late: Any = {"rms_error_m": 0.25, "states": {"FORMATION": 290.0, "HOLD": 10.0}}
     figures_m = {"line10": 0.25}

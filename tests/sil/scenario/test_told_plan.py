@@ -8,12 +8,11 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.start import StartError
-from sil.lockstep.world import Run, sail
+from sil.lockstep.world import Run, all_sailed, sail
 from sil.scenario.agents import parameters_of
 from sil.scenario.scenario import ScenarioError, load
 from sil.scenario.told_plan import items_of
-from sil.scenario.wiring import ORIGIN
-from sil.wire.geodesy import LocalFrame
+from sil.scenario.wiring import WORLD
 
 FAST = ["leader.waypoints=[[0, 0], [15, 0], [15, 15]]", "duration_s=40"]
 EXACT = [
@@ -28,8 +27,7 @@ EXACT = [
 
 
 def sailed(*overrides: str) -> Run:
-    (run,) = sail([load("lead", [*FAST, *overrides])], {})
-    assert isinstance(run, Run), run
+    (run,) = all_sailed(sail([load("lead", [*FAST, *overrides])], {}))
     return run
 
 
@@ -44,8 +42,7 @@ def test_boat_1_leads_all_others_and_follows_none_of_them() -> None:
 def test_the_plan_is_the_waypoints_without_the_start() -> None:
     speed, *points = items_of(load("lead", FAST).leader)
     assert (speed.command, speed.params[1]) == (mavlink.MAV_CMD_DO_CHANGE_SPEED, 0.6)
-    world = LocalFrame(*ORIGIN[:2], 1e-3 * ORIGIN[2])
-    places = [tuple(world.geodetic(15.0, east, 0.0)[:2]) for east in (0.0, 15.0)]
+    places = [tuple(WORLD.geodetic(15.0, east, 0.0)[:2]) for east in (0.0, 15.0)]
     assert [(point.latitude, point.longitude) for point in points] == places
     assert all(point.command == mavlink.MAV_CMD_NAV_WAYPOINT for point in points)
 

@@ -10,7 +10,6 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 import tornado.httpserver
-import tornado.ioloop
 import tornado.netutil
 import tornado.web
 import tornado.websocket

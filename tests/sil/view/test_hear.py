@@ -8,7 +8,6 @@ import re
 import socket
 import tty
 from collections.abc import Callable
-from pathlib import Path
 
 import psutil
 import pytest
@@ -135,7 +134,7 @@ def test_a_server_that_vanishes_silently_is_noticed() -> None:
     asyncio.run(run())
 
 
-def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
+def test_a_serial_line_is_heard_and_written_nothing() -> None:
     master, slave = pty.openpty()
     tty.setraw(master)
     os.set_blocking(master, False)

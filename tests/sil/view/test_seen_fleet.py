@@ -10,9 +10,8 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.plant.hull import Array
-from sil.scenario.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM
+from sil.scenario.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM, WORLD
 from sil.view.seen_fleet import FORGOTTEN_S
-from sil.wire.geodesy import LocalFrame
 from tests.dialect import dialect
 from tests.sil.fleet.waters import beacon_message
 from tests.sil.view.feed import (
@@ -333,8 +332,7 @@ def test_a_leaders_position_is_right_with_every_kind_of_message(message: str) ->
 
 
 def test_boats_of_other_origins_are_in_one_frame() -> None:
-    world = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
-    there = world.moved(900.0, -400.0)
+    there = WORLD.moved(900.0, -400.0)
     view = Listening()
     view.hear(boat(1, 5.0), 0.0)
     view.hear(said(2, BEAT, origin(*there.origin_degE7, ORIGIN[2]), attitude(0.0)), 0.0)

@@ -9,16 +9,14 @@ from typing import TypeAlias
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sil.scenario.wiring import ORIGIN
+from sil.scenario.wiring import ORIGIN, WORLD
 from sil.view.page import page_with
 from sil.view.seen_fleet import Fleet
 from sil.view.seen_plan import FENCE, MISSION, RALLY, Plans
 from sil.view.tlog_history import history_of_tlog
-from sil.wire.geodesy import LocalFrame
 from sil.wire.mavlink_ear import Ear
 
 BOAT, STATION = 1, 255
-WORLD = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
 Said: TypeAlias = mavlink.MAVLink_message
 
 
