@@ -197,7 +197,7 @@ core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
   auto reached = sailed.reached();
   if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
   vehicle_.sailed(sailed.ahead(), reached, sailed.has_arrived(), counters_);
-  if (sailed.take_pause()) pause_plan();
+  if (sailed.take_pause()) pause_plan(now.now_us);
   if (const auto set = sailed.take_home()) {
     const auto place = home_of(vehicle_.missions().plan()[*set]);
     limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
@@ -206,8 +206,8 @@ core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
 }
 
 template <class S>
-void Alone<S>::pause_plan() {
-  vehicle_.orders().pause(true);
+void Alone<S>::pause_plan(std::int64_t now_us) {
+  vehicle_.orders().pause(true, now_us);
   Sentence told;
   told << "Plan paused after item "
        << static_cast<float>(pilot_.plan_vessel().reached().value_or(0)) << ": autocontinue is 0";
@@ -238,7 +238,8 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
   const PlanItem& centre = missions.plan()[voyage_.item()];
   if (way_due_.take_if_due(now.now_us)) {
     const auto& [plan, failsafes] = std::tie(configuration().plan, configuration().failsafes);
-    voyage_.look(pilot_, {missions.fence(), plan.margin_m, home(), failsafes.fence_m}, now.now_us);
+    voyage_.look(pilot_, {missions.fence(), plan.margin_m, home(), failsafes.fence_m},
+                 speeds_of(plan), now.now_us);
   }
   const bool waits = vehicle_.orders().is_paused() || (now.conditions & core::kClear) == 0;
   core::ControllerOutput<S> out;

@@ -68,7 +68,7 @@ class Alone {
   void change_speed(float speed_mps);
   core::ControllerOutput<S> sail_guided(const Now& now, S dt);
   core::ControllerOutput<S> sail_plan(const Now& now, S dt);
-  void pause_plan();
+  void pause_plan(std::int64_t now_us);
   core::ControllerOutput<S> sail_items(const Now& now, S dt);
   core::ControllerOutput<S> sail_voyage(const Now& now, S dt);
   std::optional<convert::GlobalPoint> home() const;

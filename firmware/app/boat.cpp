@@ -194,6 +194,8 @@ void Boat<S>::note_state(std::int64_t now_us) {
   // Discard a target that precedes another request.
   if (state() != core::State::kGuided) vehicle_.orders().take_target();
   if (was == state()) return;
+  // The errand may begin in the tick in which the boat is armed: home is here.
+  if (was == core::State::kDisarmed) look_at_limits(now_us);
   if (core::sails_alone(was)) pilot_.end_plan();
   if (core::sails_alone(state())) alone_.start({state(), conditions_, now_us});
   if (state() != core::State::kFormation) return;

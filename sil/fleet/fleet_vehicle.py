@@ -131,8 +131,8 @@ class FleetVehicle:
         if wish.action in _OF_LEADER and self._leader is not None:
             wish = wish._replace(boats=(self._leader,))
         status = self._perform(wish)
-        if status == 0 and wish.action in _OF_LEADER and self._rests():
-            status = self._perform(Wish("follow"))
+        if status == 0 and wish.action in _OF_LEADER and (resting := self._resting()):
+            status = self._perform(Wish("follow", boats=resting))
         result: int = mavlink.MAV_RESULT_FAILED if status else mavlink.MAV_RESULT_ACCEPTED
         return result
 
@@ -147,12 +147,13 @@ class FleetVehicle:
             self._text(line.strip(), warns=status != 0)
         return status
 
-    def _rests(self) -> bool:
-        """Whether a boat is in HOLD."""
-        systems = self._station.fleet.systems
-        return any(
-            self._station.is_heard(boat) and systems[boat].state == "HOLD"
-            for boat in self._station.boats()
+    def _resting(self) -> tuple[int, ...]:
+        """The boats in HOLD."""
+        station = self._station
+        return tuple(
+            boat
+            for boat in station.boats()
+            if station.is_heard(boat) and station.fleet.systems[boat].state == "HOLD"
         )
 
     def _attend(self) -> None:

@@ -19,6 +19,7 @@ _CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 _OF_MODE = {HOLD: "hold", FORMATION: "follow", AUTO: "auto", LOITER: "loiter", RTL: "return"}
 _FORCED = 21196.0  # COMPONENT_ARM_DISARM, param2: without the checks
 _MAVSDK_HOLD = 4.0, 3.0  # mode and sub mode
+_CHANGES_MODE = float(mavlink.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE)
 _GLOBAL_FRAMES = (
     mavlink.MAV_FRAME_GLOBAL,
     mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT,
@@ -39,6 +40,10 @@ def wish_of(message: mavlink.MAVLink_message) -> Wish | None:
     if number == mavlink.MAV_CMD_DO_SET_MODE:
         mode = message.param2, message.param3
         known = message.param3 == 0.0 or mode == _MAVSDK_HOLD
+        # PX4's OFFBOARD has the same number; its request has other flags, or NaN behind it.
+        rest = (message.param4, message.param5, message.param6, message.param7)
+        plain = message.param1 == _CUSTOM and not any(rest)
+        known = known and (plain or message.param2 != FORMATION)
         return _mode_wish(message.param1, message.param2) if known else None
     if number == mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH:
         return Wish("return")
@@ -53,6 +58,8 @@ def _mode_wish(base: float, custom: float) -> Wish | None:
 
 def _go_wish(message: mavlink.MAVLink_message) -> Wish | None:
     if message.param1 > 0.0:  # a speed, which the fleet would not keep to
+        return None
+    if message.param2 != _CHANGES_MODE:  # moves only the target of a boat in GUIDED
         return None
     if message.get_type() == "COMMAND_LONG":
         place = message.param5, message.param6

@@ -204,11 +204,19 @@ def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
 
 
+def test_a_plan_that_leaves_a_new_fence_is_reported_beside_another_refusal() -> None:
+    sea = at_sea([at(30, 0)])
+    assert send(sea, FENCE, box(0, 0, 15)) == ITEM_ACCEPTED
+    sea.mode(FORMATION)  # refused: there is no leader
+    sea.run(2.0)
+    assert "Plan invalid at item 0: outside the fence" in words(sea.ticks)
+
+
 def test_a_plan_is_judged_again_when_wp_radius_changes() -> None:
     sea = fenced([at(0, 0), turns(5, 0, 1.0, 0.0)], box(0, 0, 20), {"WP_RADIUS": 3.0})
     sea.say(param_set("WP_RADIUS", 18.0))
     sea.run(0.5)
-    assert any(text.startswith("Plan invalid at item 1: ") for text in words(sea))
+    assert any(text.startswith("Plan invalid at item 1: ") for text in words(sea.ticks))
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
     sea.say(param_set("WP_RADIUS", 3.0))
     sea.run(0.5)

@@ -8,7 +8,7 @@ import math
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.target.hull import Afloat
+from tests.target.hull import Afloat, Hull
 from tests.target.plans import (
     ITEM_ACCEPTED,
     LOITER_UNLIMITED,
@@ -27,6 +27,7 @@ from tests.target.plans import (
 from tests.target.sea import Sea, Tick, acks, texts
 from tests.target.stations import (
     ACCEPTED,
+    ARM,
     AUTO,
     BOAT,
     DENIED,
@@ -42,8 +43,9 @@ from tests.target.stations import (
     STANDARD_MODE,
     TEMPORARILY_REJECTED,
     Station,
+    command_long,
 )
-from tests.target.test_auto import CORNER, at_sea, place, sailing
+from tests.target.test_auto import CORNER, SET_CURRENT, at_sea, place, sailing
 
 INT_ONLY, WRONG_FRAME = 8, 9
 CHANGE_MODE = 1.0
@@ -317,6 +319,31 @@ def test_a_late_copy_of_a_command_does_not_end_a_newer_pause() -> None:
     assert acks(sea.order(PAUSE, 1.0, confirmation=2)) == [(PAUSE, ACCEPTED)]
     sea.run(5.0)
     assert place(sea)[0] > stopped[0] + 0.5
+
+
+@pytest.mark.parametrize("how", [(PAUSE, 1.0), (SET_CURRENT, 1.0)])
+def test_a_late_copy_of_a_command_does_not_end_a_pause_of_the_plan(how: tuple[int, float]) -> None:
+    sea = sailing([at(3, 0)._replace(autocontinue=0), at(20, 0)])
+    while not any(text.startswith("Plan paused") for text in texts([sea.step()])):
+        pass
+    assert acks(sea.order(*how, confirmation=1)) == [(how[0], TEMPORARILY_REJECTED)]
+
+
+@pytest.mark.parametrize("mode", [RTL, AUTO])
+def test_home_is_where_the_boat_is_armed_even_if_it_is_sent_home_in_the_same_tick(
+    mode: int,
+) -> None:
+    sea = Afloat(hull=Hull(current=(1.0, 0.0)))
+    sea.leader.on = False
+    sea.run(20.0)
+    sea.hull.current = (0.0, 0.0)
+    sea.run(2.0)
+    away = place(sea)[0]
+    assert away > 15.0
+    assert Planner(sea).send([at(away, 3), Item(RETURN, (0.0,) * 4, 0, 0, frame=2)]) is not None
+    sea.say(command_long(ARM, 1.0), command_long(SET_MODE, 1.0, float(mode)))
+    sea.run(40.0)
+    assert place(sea)[0] == pytest.approx(away, abs=1.0)
 
 
 @pytest.mark.parametrize("order", ["home", "there"])

@@ -38,11 +38,14 @@ void VoyagePilot<S>::begin(const PlanItem& ahead, std::uint32_t plan, std::size_
   room.item = item;
   if (convert::way_to<S>(pilot.place(), {ahead.x, ahead.y}, room.radius_m).near) {
     voyage_.begin(room);
+    voyage_.limit(speeds_of(configuration.plan));
   }
 }
 
 template <class S>
-void VoyagePilot<S>::look(const Pilot<S>& pilot, const Bounds& bounds, std::int64_t now_us) {
+void VoyagePilot<S>::look(const Pilot<S>& pilot, const Bounds& bounds, const VoyageSpeeds& fastest,
+                          std::int64_t now_us) {
+  voyage_.limit(fastest);
   const core::Motion<S> motion = pilot.seen_motion(now_us);
   const convert::Position here = moved(pilot.seen_from(), motion.moved_n);
   const core::Vec2<S> v_n = velocity_n(motion);

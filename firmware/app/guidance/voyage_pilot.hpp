@@ -42,8 +42,10 @@ class VoyagePilot {
   bool is_lost() const { return voyage_.is_lost(); }
   std::size_t item() const { return voyage_.item(); }
 
-  /// Judges whether the boat would leave its bounds if it stopped now; forward() uses the result.
-  void look(const Pilot<S>& pilot, const Bounds& bounds, std::int64_t now_us);
+  /// Judges whether the boat would leave its bounds if it stopped now; forward() uses the result and
+  /// the greatest speeds.
+  void look(const Pilot<S>& pilot, const Bounds& bounds, const VoyageSpeeds& fastest,
+            std::int64_t now_us);
 
   /// Thrusts for the next dt seconds, N. centre: of the voyage's room.
   core::Thrust<S> forward(const Pilot<S>& pilot, const convert::GlobalPoint& centre, bool waits,

@@ -42,7 +42,14 @@ class SailingOrders {
   }
 
   /// Pauses the plan or the errand, or resumes it.
-  void pause(bool paused) { paused_ = paused; }
+  void pause(bool paused, std::int64_t now_us) {
+    paused_ = paused;
+    if (paused) paused_us_ = now_us;
+  }
+  /// In the last five seconds, by an order or by the plan.
+  bool was_just_paused(std::int64_t now_us) const {
+    return paused_ && now_us - paused_us_ < 5'000'000;
+  }
   bool is_paused() const { return paused_; }
 
   /// Call when the boat has entered another state: pause and velocities no longer apply.
@@ -55,7 +62,7 @@ class SailingOrders {
   bool paused_ = false;
   std::optional<Target> target_, ordered_;
   std::optional<core::Drive<double>> drive_;
-  std::int64_t drive_us_ = 0;
+  std::int64_t drive_us_ = 0, paused_us_ = 0;
 };
 
 }  // namespace flotilla::app

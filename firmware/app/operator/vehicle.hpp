@@ -219,7 +219,6 @@ class Vehicle {
     bool disarms = false;    ///< not only HOLD
   };
   Stop stop_;                           // the last request that stops the boat
-  std::int64_t paused_us_ = 0;          // last command to pause
   std::optional<std::size_t> reached_;  // last item reached
   Setpoints setpoints_;
   RcInput transmitter_, override_;  ///< the transmitter goes first

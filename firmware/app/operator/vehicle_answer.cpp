@@ -143,9 +143,9 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   const std::string_view name = kNames[static_cast<std::size_t>(news->what)];
   Sentence told;
   if (news->kind != Kind::kStored) {
-    if (!texts_.take_if_due(Repeated::kRefused, now_us_)) return;
-    const std::string_view how =
-        news->kind == Kind::kRefused ? " refused at item " : " invalid at item ";
+    const bool refused = news->kind == Kind::kRefused;
+    if (refused && !texts_.take_if_due(Repeated::kRefused, now_us_)) return;
+    const std::string_view how = refused ? " refused at item " : " invalid at item ";
     told << name << how << static_cast<float>(news->item) << ": " << news->why;
     texts_.send(mav::kSeverityWarning, {told.text()}, counters);
     return;
@@ -202,7 +202,7 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
     if (!asked.why.empty()) return mav::kDenied;
   }
   if (!missions_.set_current(*asked.item, asked.anew)) return mav::kDenied;
-  if (supervisor_.state() == core::State::kAuto) orders_.pause(false);
+  if (supervisor_.state() == core::State::kAuto) orders_.pause(false, now_us_);
   return mav::kAccepted;
 }
 
@@ -210,17 +210,13 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
 /// that came before the pause; the microcontroller's image has no room to judge this.
 std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked, bool repeated) {
   const bool pauses = asked.paused && *asked.paused;
-  if (FLOTILLA_KEEPS_FLEET != 0) {
-    const bool recent = orders_.is_paused() && now_us_ - paused_us_ < 5 * kSecond_us;
-    if (repeated && !pauses && recent) {
-      asked.why = "boat was just paused: ask again in 5 s";
-      return mav::kTemporarilyRejected;
-    }
-    if (pauses) paused_us_ = now_us_;
+  if (FLOTILLA_KEEPS_FLEET != 0 && repeated && !pauses && orders_.was_just_paused(now_us_)) {
+    asked.why = "boat was just paused: ask again in 5 s";
+    return mav::kTemporarilyRejected;
   }
   if (asked.item) return answer_of_jump(asked);
   if (!core::sails_alone(supervisor_.state())) return mav::kTemporarilyRejected;
-  orders_.pause(pauses);
+  orders_.pause(pauses, now_us_);
   return mav::kAccepted;
 }
 
@@ -278,7 +274,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = answer_of_plan(asked, command.repeated);  // not set if denied
   // A new order ends a pause; a repeated one may be a late copy of an order before the pause.
   if (sails_alone(asked.request) && !asked.target && decision.granted && !command.repeated) {
-    orders_.pause(false);
+    orders_.pause(false, now_us_);
   }
   if (asked.target && decision.granted) orders_.go_to(*asked.target);
   if (asked.fence) asked.result = answer_of_fence(asked, command.repeated);

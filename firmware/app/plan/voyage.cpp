@@ -41,18 +41,19 @@ PlanFault fault_of_voyage(const PlanItem& item) {
   return {};
 }
 
+VoyageSpeeds speeds_of(const PlanDefaults& defaults) {
+  return {.mps = defaults.fastest_mps > 0 ? defaults.fastest_mps : kPlanFastest_mps,
+          .radps = defaults.fastest_radps > 0 ? std::min(defaults.fastest_radps, kFastest_radps)
+                                              : kFastest_radps};
+}
+
 VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
                    const Configuration::Stopping& stopping) {
   const float share = or_zero(item.param[0]), radius_m = or_zero(item.param[1]);
-  const float fastest_mps = defaults.fastest_mps > 0 ? defaults.fastest_mps : kPlanFastest_mps;
-  const float braking_s = fastest_mps / (2 * stopping.brake_mps2);
+  const float braking_s = speeds_of(defaults).mps / (2 * stopping.brake_mps2);
   return {.radius_m = radius_m > 0 ? radius_m : defaults.room_m,
           .share = share > 0 ? share : kShare,
-          .rest_s = std::min(stopping.reaction_s + std::max(stopping.drag_s, braking_s), 60.0F),
-          .fastest_mps = fastest_mps,
-          .fastest_radps = defaults.fastest_radps > 0
-                               ? std::min(defaults.fastest_radps, kFastest_radps)
-                               : kFastest_radps};
+          .rest_s = std::min(stopping.reaction_s + std::max(stopping.drag_s, braking_s), 60.0F)};
 }
 
 template <class S>
@@ -63,9 +64,13 @@ void HullVoyage<S>::begin(const VoyageRoom& room) {
   greatest_ = radius_;
   gain_ = convert::scalar<S>(room.share);
   rest_s_ = convert::scalar<S>(room.rest_s);
-  fastest_ = convert::scalar<S>(room.fastest_mps);
-  fastest_r_ = convert::scalar<S>(room.fastest_radps);
   enter(Phase::kRest);
+}
+
+template <class S>
+void HullVoyage<S>::limit(const VoyageSpeeds& fastest) {
+  fastest_ = convert::scalar<S>(fastest.mps);
+  fastest_r_ = convert::scalar<S>(fastest.radps);
 }
 
 template <class S>

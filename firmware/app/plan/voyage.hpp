@@ -40,9 +40,14 @@ struct VoyageRoom {
   float radius_m = 0;
   float share = 0;   ///< greatest share of full thrust
   float rest_s = 0;  ///< stopping distance / speed
-  float fastest_mps = 0, fastest_radps = 0;
   bool operator==(const VoyageRoom&) const = default;
 };
+
+/// The greatest speeds of a voyage.
+struct VoyageSpeeds {
+  float mps = 0, radps = 0;
+};
+VoyageSpeeds speeds_of(const PlanDefaults& defaults);
 
 /// The room that a voyage's item asks for.
 VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
@@ -70,6 +75,8 @@ class HullVoyage {
 
   /// Begins, or continues the same voyage with the step where it was interrupted.
   void begin(const VoyageRoom& room);
+  /// Call after begin(), and when the speeds may have changed.
+  void limit(const VoyageSpeeds& fastest);
   /// Stops; the step is sailed anew after begin().
   void interrupt();
   /// The next begin() starts with the first step.

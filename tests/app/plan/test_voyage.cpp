@@ -31,13 +31,7 @@ PlanItem waypoint(std::int32_t x) {
 }
 
 VoyageRoom room(float radius_m = 60) {
-  return {.plan = 7,
-          .item = 1,
-          .radius_m = radius_m,
-          .share = 0.8F,
-          .rest_s = 3,
-          .fastest_mps = 1.8F,
-          .fastest_radps = 1.6F};
+  return {.plan = 7, .item = 1, .radius_m = radius_m, .share = 0.8F, .rest_s = 3};
 }
 
 /// A hull of 24 kg in the room's axes, seen without noise. It knows none of the voyage's numbers.
@@ -51,7 +45,12 @@ struct Sea {
   std::vector<VoyageNews> news;
   double farthest_m = 0, fastest_mps = 0, t_s = 0;
 
-  explicit Sea(const VoyageRoom& of = room()) { voyage.begin(of); }
+  explicit Sea(const VoyageRoom& of = room()) { begin(of); }
+
+  void begin(const VoyageRoom& of) {
+    voyage.begin(of);
+    voyage.limit({.mps = 1.8F, .radps = 1.6F});
+  }
 
   void step() {
     const auto s = [](double x) { return convert::scalar<S>(x); };
@@ -266,9 +265,8 @@ TEST_CASE("a boat that was too fast ahead gets less thrust in later steps, excep
 }
 
 TEST_CASE("a boat that turned too fast turns with less thrust, and is as fast ahead as before") {
-  VoyageRoom calm = room();
-  calm.fastest_radps = 0.4F;
-  Sea<float> sea(calm);
+  Sea<float> sea;
+  sea.voyage.limit({.mps = 1.8F, .radps = 0.4F});
   REQUIRE(sea.sail_to(first_of(Manoeuvre::kCircle)));
   REQUIRE(sea.count(Kind::kAgain) >= 1);
   sea.step();
@@ -314,14 +312,14 @@ TEST_CASE("continues with the interrupted step; another plan starts from the beg
   CHECK_FALSE(sea.voyage.is_on());
   sea.step();
   CHECK(sea.shares.port == 0);
-  sea.voyage.begin(room());
+  sea.begin(room());
   sea.news.clear();
   sea.sail(60);
   REQUIRE_FALSE(sea.news.empty());
   CHECK(sea.news.front().step == 4);
   VoyageRoom other = room();
   other.plan = 8;
-  sea.voyage.begin(other);
+  sea.begin(other);
   sea.news.clear();
   sea.sail(60);
   CHECK(sea.news.front().step == 1);

@@ -13,7 +13,7 @@ from sil.fleet.ends import End, Peer
 from sil.fleet.fleet_vehicle import FleetVehicle
 from sil.fleet.vehicle_commands import wish_of
 from sil.wire.fleet_table import Member, table_message
-from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER
+from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER, MANUAL
 from sil.wire.signing import Signer
 from tests.sil.fleet.waters import BOATS, Waters, beacon_message, heard
 
@@ -155,6 +155,44 @@ def test_the_fleet_goes_to_a_place(served: Served) -> None:
     assert list(served.states) == ["GUIDED", "FORMATION", "FORMATION", "FORMATION"]
 
 
+def test_only_boats_in_hold_follow_when_the_leader_is_sent_to_sail() -> None:
+    served = Served()
+    waters, pilot, sail_on = served.waters, mavlink.MAVLink(None, 249, 190), served.waters.wait
+
+    def tell(boat: int, message: mavlink.MAVLink_message) -> None:
+        pilot.seq = (pilot.seq + 1) & 0xFF
+        waters.batch.fleet.hear(waters.agent(boat), message.pack(pilot), waters.t_us)
+
+    def wait(ends: Sequence[End], for_s: float) -> Sequence[End]:
+        tell(3, mavlink.MAVLink_manual_control_message(3, 0, 0, 500, 0, 0))
+        return sail_on(ends, for_s)
+
+    waters.wait = wait
+    served.run(0.5)
+    tell(3, mavlink.MAVLink_set_mode_message(3, 1, MANUAL))
+    tell(4, mavlink.MAVLink_set_mode_message(4, 1, HOLD))
+    served.run(3.0)
+    assert list(served.states) == ["AUTO", "FORMATION", "MANUAL", "HOLD"]
+    served.ground.mode(LOITER)
+    served.run(6.0)
+    assert list(served.states) == ["LOITER", "FORMATION", "MANUAL", "FORMATION"]
+
+
+def test_requests_that_a_boat_refuses_do_not_move_the_fleet(served: Served) -> None:
+    here = served.ground.of("GLOBAL_POSITION_INT")[-1]
+    served.ground.mode(HOLD)
+    served.run(6.0)
+    served.ground.command(MODE, 1.0, 6.0, 0.0, *[math.nan] * 4)  # MAVSDK's start of OFFBOARD
+    served.ground.say(  # moves the target of a boat in GUIDED only
+        mavlink.MAVLink_command_int_message(
+            *(FLEET, 1, 6, GO, 0, 0, -1.0, 0.0, 0.0, 0.0),
+            *(here.lat + 3000, here.lon, 0.0),
+        )
+    )
+    served.run(8.0)
+    assert list(served.states) == ["HOLD"] * 4
+
+
 @pytest.mark.parametrize("first", [FORMATION, HOLD])
 def test_disarming_stops_every_boat_and_cancels_pending_commands(
     served: Served, first: int
@@ -241,9 +279,9 @@ def test_a_command_that_is_repeated_is_carried_out_once(served: Served) -> None:
         (MODE, (math.nan, math.nan), DENIED),
         (ARM, (1.0, 21196.0), DENIED),
         (ARM, (0.5,), DENIED),
-        (GO, (0, 0, 0, 0, math.nan, math.nan), DENIED),
-        (GO, (0, 0, 0, 0, 91.0, 0.0), DENIED),
-        (GO, (2.0, 0, 0, 0, 60.0, 5.0), DENIED),  # a speed
+        (GO, (0, 1, 0, 0, math.nan, math.nan), DENIED),
+        (GO, (0, 1, 0, 0, 91.0, 0.0), DENIED),
+        (GO, (2.0, 1, 0, 0, 60.0, 5.0), DENIED),  # a speed
         (22, (), UNSUPPORTED),
     ],
 )
