@@ -34,7 +34,7 @@ from sil.wire.fleet_table import (
     table_message,
 )
 
-#: Least distance of slots, ratio to FS_SEP_M; see FLEET.md, "A new shape".
+#: Least distance of slots, ratio to FS_SEP_M; see FLEET.md, "form".
 SLOTS_GUARDS = 2.9
 IN_S = 3.0
 _PATIENCE_S, _RETRY_S = 8.0, 0.6
