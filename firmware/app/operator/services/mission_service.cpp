@@ -338,7 +338,7 @@ bool MissionService::enable_fence(bool on) {
   return true;
 }
 
-/// Call when what the plan was judged by has changed: judges the plan again, and a plan in upload once
+/// Call when something in Checked has changed: judges the plan again, and a plan in upload once
 /// it is whole.
 void MissionService::judge_anew() {
   check_.begin();

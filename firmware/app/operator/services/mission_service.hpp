@@ -149,7 +149,7 @@ class MissionService {
     int tries = 0;
     bool judged = true;  ///< all items by the present fence
   };
-  /// What the legs of the stored plan were judged by.
+  /// The fence and the parameters by which the stored plan was judged.
   struct Checked {
     std::uint32_t map = 0;  ///< the fence's
     float margin_m = 0, radius_m = 0;
