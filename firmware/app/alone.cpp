@@ -40,14 +40,16 @@ void Alone<S>::check_way(const convert::Position& here, std::int64_t now_us) {
 
 template <class S>
 void Alone<S>::start_plan(std::int64_t now_us) {
-  const MissionService& missions = vehicle_.missions();
-  voyage_.begin_plan(missions.id(Stored::kPlan), missions.current(), missions.is_complete());
+  MissionService& missions = vehicle_.missions();
+  missions.begin_round();
+  voyage_.begin_plan({missions.round(), missions.current(), missions.progress().jumps()});
   pilot_.start_plan({.plan = missions.plan(),
                      .first = missions.current(),
                      .start_m = missions.start_m(missions.current()),
                      .home = home(),
                      .progress = missions.progress(),
                      .pauses = missions.pauses(),
+                     .voyage_is_over = voyage_.is_over(),
                      .fence = &missions.fence()},
                     configuration().plan);
   pilot_.reports().forget_waits(now_us);
@@ -188,10 +190,7 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
 
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
-  if (vehicle_.missions().take_jump()) {
-    voyage_.forget();
-    start_plan(now.now_us);
-  }
+  if (vehicle_.missions().take_jump()) start_plan(now.now_us);
   const core::ControllerOutput<S> out = sail_items(now, dt);
   PlanVessel<S>& sailed = pilot_.plan_vessel();
   auto reached = sailed.reached();
@@ -219,8 +218,9 @@ template <class S>
 core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
   const MissionService& missions = vehicle_.missions();
   if (kSailsVoyages && !voyage_.is_on()) {
-    const std::size_t at = pilot_.plan_vessel().item();
-    voyage_.begin(missions.plan()[at], missions.id(Stored::kPlan), at, pilot_, configuration());
+    const PlanMark at = pilot_.plan_vessel().ahead();
+    voyage_.begin(missions.plan()[at.item], {missions.round(), at.item, at.jumps}, pilot_,
+                  configuration());
   }
   if (kSailsVoyages && voyage_.is_on()) return sail_voyage(now, dt);
   // While the fleet's shape moves, the leader waits for nobody: behind a leader at rest, some slots

@@ -109,7 +109,8 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
     met |= core::kPlanReady;
   }
   if (boat.vehicle.doubled(now_us)) met &= ~core::kSoleVessel;
-  if (sails && pilot.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
+  const bool follows = core::follows(boat.state());
+  if (follows && pilot.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
   return met;
 }
 

@@ -212,33 +212,6 @@ def test_a_plan_whose_speed_is_above_a_lowered_limit_is_sailed_at_the_limit(
     assert sea.state == "AUTO" and sea.hull.seen.u == pytest.approx(0.5, abs=0.02)
 
 
-def test_a_voyage_keeps_to_a_speed_limit_that_is_lowered_under_way() -> None:
-    voyage = at(0, 0)._replace(command=31010, params=(1.0, 60.0, 0.0, math.nan))
-    sea = sailing([voyage, at(50, 0)])
-    while not any("step 2 of" in text for text in texts(sea.run(1.0))):
-        pass
-    sea.say(param_set("LAW_U_MAX", 0.5))
-    sea.run(1.0)
-    fastest = 0.0
-    for _ in range(60):
-        sea.run(1.0)
-        fastest = max(fastest, abs(sea.hull.seen.u))
-    assert fastest < 0.7
-
-
-def test_after_a_plans_last_place_no_earlier_item_begins() -> None:
-    """The plan: a voyage that measures the hull, then a place to stop at."""
-    voyage = at(0, 0)._replace(command=31010, params=(0.0, 0.0, 0.0, math.nan))
-    here = Item(LOITER_UNLIMITED, x=0, y=0)
-    sea = at_sea([voyage, here])
-    assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
-    sea.mode(AUTO)
-    ticks = sea.run(90.0)
-    assert sea.state == "AUTO" and progress(sea)[0] == 1
-    assert not [text for text in texts(ticks) if "Voyage" in text]
-    assert math.hypot(*place(sea)) < 0.5
-
-
 def test_a_plan_goes_on_at_an_item_over_a_kilometre_away() -> None:
     sea = at_sea([at(0, 0), at(1500, 0)])
     assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]

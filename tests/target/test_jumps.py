@@ -14,6 +14,7 @@ from tests.target.stations import (
     FORMATION,
     LEADER,
     LEADER_COMPONENT,
+    LOITER,
     Station,
     odometry,
     state_messages,
@@ -186,6 +187,21 @@ def test_a_leader_that_jumps_and_stays_there_is_followed_after_a_new_request(far
         assert "Refused: leader is further than FORM_DIST_MAX" in texts(sea.ticks)
     sea.run(2.0)  # the jump itself no longer counts
     assert sea.state == ("FORMATION" if far_m < 100.0 else "HOLD")
+
+
+def test_a_boat_in_loiter_follows_a_leader_that_jumped_after_a_new_request() -> None:
+    sea = Afloat(None, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
+    sea.enter_formation()
+    sea.run(8.0)
+    sea.mode(LOITER)
+    sea.run(1.0)
+    teleport(sea, 40.0)
+    sea.run(0.2)
+    sea.mode(FORMATION)
+    assert sea.state == "LOITER"
+    sea.run(10.0)
+    sea.mode(FORMATION)
+    assert sea.state == "FORMATION"
 
 
 @pytest.mark.parametrize(

@@ -24,18 +24,17 @@ core::Vec2<S> velocity_n(const core::Motion<S>& motion) {
 }  // namespace
 
 template <class S>
-void VoyagePilot<S>::begin_plan(std::uint32_t plan, std::size_t item, bool complete) {
+void VoyagePilot<S>::begin_plan(const VoyageId& at) {
   voyage_.interrupt();
-  if (complete || !voyage_.is_of(plan, item)) voyage_.forget();
+  if (!voyage_.is_of(at)) voyage_.forget();
 }
 
 template <class S>
-void VoyagePilot<S>::begin(const PlanItem& ahead, std::uint32_t plan, std::size_t item,
-                           const Pilot<S>& pilot, const Configuration& configuration) {
-  if (!is_voyage(ahead) || (voyage_.is_of(plan, item) && voyage_.is_over())) return;
+void VoyagePilot<S>::begin(const PlanItem& ahead, const VoyageId& at, const Pilot<S>& pilot,
+                           const Configuration& configuration) {
+  if (!is_voyage(ahead) || (voyage_.is_of(at) && voyage_.is_over())) return;
   VoyageRoom room = room_of(ahead, configuration.plan, configuration.stopping);
-  room.plan = plan;
-  room.item = item;
+  room.id = at;
   if (convert::way_to<S>(pilot.place(), {ahead.x, ahead.y}, room.radius_m).near) {
     voyage_.begin(room);
     voyage_.limit(speeds_of(configuration.plan));

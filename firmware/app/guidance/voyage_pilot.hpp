@@ -26,15 +26,12 @@ class VoyagePilot {
   };
 
   /// Call interrupt() when a state without voyages begins, begin_plan() when a plan begins at that
-  /// item. An interrupted voyage of the item then continues with the same step, unless the plan was
-  /// complete.
+  /// item. If the item is an interrupted voyage, it then continues with the same step.
   void interrupt() { voyage_.interrupt(); }
-  void begin_plan(std::uint32_t plan, std::size_t item, bool complete);
-  /// Call when an operator has set another item: the next voyage starts from its first step.
-  void forget() { voyage_.forget(); }
+  void begin_plan(const VoyageId& at);
 
   /// Begins a voyage if the item ahead is a voyage that is not over, and the boat is in its room.
-  void begin(const PlanItem& ahead, std::uint32_t plan, std::size_t item, const Pilot<S>& pilot,
+  void begin(const PlanItem& ahead, const VoyageId& at, const Pilot<S>& pilot,
              const Configuration& configuration);
 
   bool is_on() const { return voyage_.is_on(); }

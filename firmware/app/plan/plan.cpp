@@ -241,8 +241,9 @@ void PlanReader::begin(const PlanStart& start, const PlanDefaults& defaults) {
   progress_ = start.progress;
   home_ = start.home;
   last_ = start.here;
-  at_ = first_ = start.first;
+  at_ = start.first;
   pauses_ = start.pauses;
+  voyage_is_over_ = start.voyage_is_over;
 }
 
 float PlanReader::speed_mps() const {
@@ -346,7 +347,8 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
     }
     if (leads_somewhere(item)) point = point_of(item, {item.x, item.y});
     if (returns && home_) point = point_of(item, *home_);
-    if (returns || item.command == mav::kNavLoiterUnlimited || (is_voyage(item) && at_ != first_)) {
+    const bool is_over = is_voyage(item) && std::exchange(voyage_is_over_, false);
+    if (returns || item.command == mav::kNavLoiterUnlimited || (is_voyage(item) && !is_over)) {
       at_ = plan.size();
       return point;
     }

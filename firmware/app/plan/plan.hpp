@@ -144,7 +144,8 @@ struct PlanStart {
   convert::GlobalPoint here{};  ///< the boat's place; it waits here if that item is a wait
   std::optional<convert::GlobalPoint> home{};  ///< unknown: NAV_RETURN_TO_LAUNCH ends the plan
   PlanProgress progress{};
-  bool pauses = false;  ///< after an item whose autocontinue is 0
+  bool pauses = false;          ///< after an item whose autocontinue is 0
+  bool voyage_is_over = false;  ///< the voyage with which the reading begins
 };
 
 /// Reads the points of a sound plan in order.
@@ -153,7 +154,7 @@ class PlanReader {
   void begin(const PlanStart& start, const PlanDefaults& defaults);
 
   /// The next point; nothing after the last. A voyage that measures the hull ends the reading,
-  /// unless the reading begins with it: how the plan continues is decided after the voyage.
+  /// unless the reading begins with it and it is over: how the plan continues is decided then.
   std::optional<PlanPoint> next(Plan plan);
 
  private:
@@ -164,12 +165,12 @@ class PlanReader {
   void pass(Plan plan, std::optional<PlanPoint>& point);
 
   PlanDefaults defaults_;
-  std::size_t at_ = 0, first_ = 0;  // items
+  std::size_t at_ = 0;  // item
   PlanProgress progress_;
   std::optional<convert::GlobalPoint> home_;
   convert::GlobalPoint last_{};
   std::uint16_t octants_ = 0, octant_ = 0;  // of a circle: covered; the present one, from the north
-  bool pauses_ = false;
+  bool pauses_ = false, voyage_is_over_ = false;
 };
 
 }  // namespace flotilla::app

@@ -36,9 +36,9 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   unread_ = false;
   sound_ = true;
   seen_ = 0;
-  reader_.begin(
-      {voyage.first, convert::global_of(own), voyage.home, voyage.progress, voyage.pauses},
-      defaults);
+  reader_.begin({voyage.first, convert::global_of(own), voyage.home, voyage.progress, voyage.pauses,
+                 voyage.voyage_is_over},
+                defaults);
   fill(voyage.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);

@@ -24,6 +24,7 @@ struct Voyage {
   std::optional<convert::GlobalPoint> home{};
   PlanProgress progress{};
   bool pauses = false;           ///< after an item whose autocontinue is 0
+  bool voyage_is_over = false;   ///< the hull's voyage with which it begins
   const Fence* fence = nullptr;  ///< corners keep from it; it must outlive the plan's vessel
 };
 

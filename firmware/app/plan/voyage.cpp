@@ -58,7 +58,7 @@ VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
 
 template <class S>
 void HullVoyage<S>::begin(const VoyageRoom& room) {
-  if (!is_of(room.plan, room.item)) forget();
+  if (!is_of(room.id)) forget();
   room_ = room;
   radius_ = convert::scalar<S>(room.radius_m);
   greatest_ = radius_;

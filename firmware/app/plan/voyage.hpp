@@ -33,10 +33,17 @@ bool is_voyage(const PlanItem& item);
 /// Judges its parameters.
 PlanFault fault_of_voyage(const PlanItem& item);
 
+/// Tells a voyage from every other one, also from the same item sailed once more.
+struct VoyageId {
+  std::uint32_t round = 0;  ///< MissionService::round()
+  std::size_t item = 0;
+  std::uint16_t jumps = 0;  ///< taken before it
+  bool operator==(const VoyageId&) const = default;
+};
+
 /// The place of a voyage, and its limits.
 struct VoyageRoom {
-  std::uint32_t plan = 0;  ///< id
-  std::size_t item = 0;
+  VoyageId id{};
   float radius_m = 0;
   float share = 0;   ///< greatest share of full thrust
   float rest_s = 0;  ///< stopping distance / speed
@@ -85,11 +92,9 @@ class HullVoyage {
   bool is_on() const { return phase_ != Phase::kOff; }
   /// The boat is too far outside its room: the voyage has ended.
   bool is_lost() const { return lost_; }
-  bool is_of(std::uint32_t plan, std::size_t item) const {
-    return room_.plan == plan && room_.item == item;
-  }
+  bool is_of(const VoyageId& id) const { return room_.id == id; }
   bool is_over() const { return step_ == kVoyageSteps.size(); }
-  std::size_t item() const { return room_.item; }
+  std::size_t item() const { return room_.id.item; }
   const VoyageRoom& room() const { return room_; }
 
   /// Thrusts, shares of each propeller's greatest one, for the next dt seconds.

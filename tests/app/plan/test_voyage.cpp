@@ -31,7 +31,7 @@ PlanItem waypoint(std::int32_t x) {
 }
 
 VoyageRoom room(float radius_m = 60) {
-  return {.plan = 7, .item = 1, .radius_m = radius_m, .share = 0.8F, .rest_s = 3};
+  return {.id = {7, 1}, .radius_m = radius_m, .share = 0.8F, .rest_s = 3};
 }
 
 /// A hull of 24 kg in the room's axes, seen without noise. It knows none of the voyage's numbers.
@@ -304,7 +304,7 @@ TEST_CASE("a boat that waits has no thrust, and repeats the step without losing 
   }
 }
 
-TEST_CASE("continues with the interrupted step; another plan starts from the beginning") {
+TEST_CASE("continues with the interrupted step; another voyage starts from the beginning") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(4));
   sea.sail(1);
@@ -318,7 +318,9 @@ TEST_CASE("continues with the interrupted step; another plan starts from the beg
   REQUIRE_FALSE(sea.news.empty());
   CHECK(sea.news.front().step == 4);
   VoyageRoom other = room();
-  other.plan = 8;
+  SUBCASE("a plan that began anew") { other.id.round = 8; }
+  SUBCASE("another item") { other.id.item = 2; }
+  SUBCASE("the same item after a jump") { other.id.jumps = 1; }
   sea.begin(other);
   sea.news.clear();
   sea.sail(60);
@@ -368,7 +370,7 @@ TEST_CASE("a plan's voyage needs a valid position, share of thrust and room") {
   CHECK(room_of(voyage_item(0.5F, 30), defaults, {1, 0.5F, 2}).share == 0.5F);
 }
 
-TEST_CASE("the plan is read up to a voyage, and beyond it if reading begins there") {
+TEST_CASE("the plan is read up to a voyage, and beyond it if it is over") {
   const std::array plan{waypoint(410'000'000), voyage_item(), waypoint(410'001'000)};
   PlanReader reader;
   reader.begin({0}, {.speed_mps = 0.5F, .radius_m = 2});
@@ -380,7 +382,26 @@ TEST_CASE("the plan is read up to a voyage, and beyond it if reading begins ther
   REQUIRE(centre);
   CHECK(centre->mark.item == 1);
   CHECK(centre->wait_s == 0);
+  CHECK_FALSE(reader.next(plan));
+  reader.begin({.first = 1, .voyage_is_over = true}, {.speed_mps = 0.5F, .radius_m = 2});
+  CHECK(reader.next(plan)->mark.item == 1);
   CHECK(reader.next(plan)->mark.item == 2);
+  CHECK_FALSE(reader.next(plan));
+}
+
+TEST_CASE("after a jump, a voyage that is over ends the reading again") {
+  PlanItem jump;
+  jump.command = mav::kDoJump;
+  jump.param = {0, 3};
+  const std::array plan{voyage_item(), waypoint(410'001'000), jump};
+  PlanReader reader;
+  reader.begin({.first = 0, .voyage_is_over = true}, {.speed_mps = 0.5F, .radius_m = 2});
+  CHECK(reader.next(plan)->mark.item == 0);
+  CHECK(reader.next(plan)->mark.item == 1);
+  const auto again = reader.next(plan);
+  REQUIRE(again);
+  CHECK(again->mark.item == 0);
+  CHECK(again->mark.jumps == 1);
   CHECK_FALSE(reader.next(plan));
 }
 

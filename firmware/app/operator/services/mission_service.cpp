@@ -254,6 +254,7 @@ void MissionService::replace(Stored kind, Plan items) {
   way_why_ = {};
   current_ = homes_of(plan());
   progress_ = {};
+  ++round_;
   complete_ = false;
   jumped_ = false;
 }
@@ -308,10 +309,15 @@ bool MissionService::set_current(std::size_t item, bool anew) {
   const std::size_t first = homes_of(plan());
   current_ = std::max(item, first);
   progress_.go_to(plan(), current_, anew || current_ == first);
+  ++round_;
   complete_ = false;
   jumped_ = true;
   way_why_ = {};
   return true;
+}
+
+void MissionService::begin_round() {
+  if (std::exchange(complete_, false)) ++round_;
 }
 
 bool MissionService::take_jump() { return std::exchange(jumped_, false); }

@@ -87,6 +87,10 @@ class MissionService {
   std::size_t current() const { return current_; }
   bool is_begun() const { return current_ > homes_of(plan()) || progress_.jumps() > 0; }
   bool is_complete() const { return complete_; }
+  /// Call when AUTO begins: after its end, the plan begins anew.
+  void begin_round();
+  /// How often a plan was stored, began anew, or an operator set its item.
+  std::uint32_t round() const { return round_; }
   /// False if there is no such item. anew, or at the first item: no jump counts as taken.
   bool set_current(std::size_t item, bool anew);
   /// Whether an operator has set the current item since the last call.
@@ -184,6 +188,7 @@ class MissionService {
   std::string_view way_why_{};
   std::size_t current_ = 0;
   PlanProgress progress_;
+  std::uint32_t round_ = 0;
   bool complete_ = false, jumped_ = false;
   std::optional<Upload> upload_;
   std::optional<News> news_;
