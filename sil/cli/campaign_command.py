@@ -43,7 +43,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         if find_spec(name) is None:
             raise ModuleNotFoundError(name=name)
     if options.run is None and options.scheduler is None:
-        pool.prepare(["sil.campaign.warm"])
+        pool.prepare(["sil.campaign.work"])
     # While the workers import their modules, this process imports its own.
     from sil.campaign import campaign
 

@@ -46,7 +46,7 @@ def _sail(name: str, folder: Path, workers: int) -> Campaign:
         scenario=name, out=folder, seed=None, law=None, param=[], set=[], runs=RUNS, run=None,
         workers=workers, scheduler=None,
     )  # fmt: skip
-    pool.prepare(["sil.campaign.warm"])
+    pool.prepare(["sil.campaign.work"])
     status = campaign.main(options, given, time.perf_counter())
     if status != 0:
         raise ValueError(f"the campaign {name} was not finished: exit status {status}")
