@@ -105,6 +105,12 @@ def main(given: Sequence[str] | None = None) -> int:
         remedy = f"pip install 'flotilla-usv[{_EXTRAS[module]}]'"
         print(f"error: flotilla {verb} needs {module}: {remedy}", file=sys.stderr)
         return 2
+    except MemoryError as error:
+        told = f": {error}" if str(error) else ""
+        print(
+            f"error: not enough memory{told}; sail fewer boats, or for less time", file=sys.stderr
+        )
+        return 2
     except (OSError, ValueError) as error:
         print(f"error: {sentence(error)}", file=sys.stderr)
         return 2
