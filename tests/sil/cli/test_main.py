@@ -51,6 +51,30 @@ def test_a_mistake_is_reported_in_one_line(
     assert not out.exists()
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["view", "out", "--length", "nan"], "argument --length: nan is not a length in metres"),
+        (["doctor", "--seconds", "0"], "argument --seconds: 0 is not a number of seconds"),
+        (["campaign", "diamond", "--runs", "1e9"], "argument --runs: 1e9 is not a whole number"),
+        (["campaign", "diamond", "--run", "-1"], "argument --run: -1 is not a whole number of"),
+    ],
+)
+def test_a_value_that_an_option_does_not_take_is_told_in_plain_words(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2 and said in capsys.readouterr().err
+
+
+def test_a_card_that_is_not_there_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["doctor", "--root", str(tmp_path / "card")]) == 2
+    assert_told_in_one_line("card: there is no such folder", capsys)
+
+
 def test_a_run_that_needs_more_memory_than_there_is_is_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
