@@ -32,7 +32,10 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--scheduler", metavar="ADDRESS", help="run on this Dask cluster: tcp://HOST:PORT"
     )
     parser.add_argument(
-        "--run", type=int, metavar="K", help="sail only run K, with its full trace, into DIR/runs/K"
+        "--run",
+        type=arguments.number,
+        metavar="K",
+        help="sail only run K, with its full trace, into DIR/runs/K",
     )
 
 

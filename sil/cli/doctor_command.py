@@ -13,6 +13,7 @@ caller.
 import argparse
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 EXAMPLES = (
@@ -59,6 +60,8 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     from sil.doctor.collection import collect
     from sil.doctor.computer import Computer
 
+    if not options.root.is_dir():
+        raise ValueError(f"--root {options.root}: there is no such folder")
     computer = Computer(options.root, options.user)
     config = options.config
     if options.root == Path("/"):
@@ -78,8 +81,8 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
 
 
 def _seconds(text: str) -> float:
-    """Parse a listening time in seconds; ValueError if it is out of range."""
-    seconds = float(text)
-    if not 0.0 < seconds <= 600.0:
-        raise ValueError(text)
-    return seconds
+    """Parse a listening time in seconds; raise an argparse error if it is out of range."""
+    with suppress(ValueError):
+        if 0.0 < float(text) <= 600.0:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"{text} is not a number of seconds, more than 0, up to 600")

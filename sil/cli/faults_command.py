@@ -28,7 +28,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         help="also sail the live rows: flotillad on a vcan, in real time",
     )
     parser.add_argument("--soak", metavar="HOURS", type=float, help="sail random faults for HOURS")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the soak (1)")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of the soak (1)")
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
@@ -39,9 +39,14 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     from sil.faults.live_matrix import NoVcanError
     from sil.lockstep.start import StartError
 
+    if options.soak is None and options.seed is not None:
+        raise ValueError("--seed needs --soak: the matrix has no random numbers to choose")
+    if options.soak is not None and (options.only is not None or options.live):
+        raise ValueError("--soak sails random faults: leave out --only and --live")
+    seed = 1 if options.seed is None else options.seed
     try:
         if options.soak is not None:
-            return examination.soak_for(options.soak, options.seed, Console())
+            return examination.soak_for(options.soak, seed, Console())
         return examination.sail(options.out, options.only, Console(), live=options.live)
     except (StartError, NoVcanError) as error:
         raise ValueError(str(error)) from None

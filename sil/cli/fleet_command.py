@@ -23,6 +23,7 @@ import difflib
 from collections.abc import Sequence
 from contextlib import closing
 from functools import partial
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,6 +57,7 @@ _ACTIONS = (
     "stop",
     "serve",
 )
+_AT_ONCE = ("stop", "hold", "disarm")  # never refused for an option too many
 _DEFAULT, _GROUND = "udpin:127.0.0.1:14550", "udpout:127.0.0.1:14551"
 
 
@@ -156,12 +158,24 @@ def _wish(options: argparse.Namespace) -> "Wish":
         near = difflib.get_close_matches(action, _ACTIONS, 1)
         hint = f'; did you mean "{near[0]}"?' if near else f": {', '.join(_ACTIONS)}"
         raise ValueError(f'unknown action "{action}"{hint}')
+    for option, given, of in (
+        ("--spacing", options.spacing is not None, "form"),
+        ("--fixed", options.fixed, "form"),
+        ("--local", options.local is not None, "go"),
+    ):
+        if given and action not in (of, *_AT_ONCE):
+            raise ValueError(f"{option} belongs to {of}, not to {action}")
     from sil.fleet.actions import Wish, is_on_globe
+    from sil.fleet.tables import check_shape
 
     wanted = {"form": 1, "go": 0 if options.local else 2}.get(action, 0)
     if len(words) != wanted:
         usage = f"flotilla fleet {action} {_WORDS.get(action, '')}".rstrip()
         raise ValueError(f"{usage}: arguments needed: {wanted}, given: {len(words)}")
+    if action == "form":
+        check_shape(words[0], options.spacing)
+    if options.local and not all(map(isfinite, options.local)):
+        raise ValueError("--local: both must be finite numbers of metres")
     place = None
     if action == "go" and not options.local:
         try:

@@ -54,6 +54,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
 
     console = Console()
     boat = Boat(options.mass)
+    _check_sizes(options, boat.surge_mass_kg)
     body = Body(arm_m=options.arm, length_m=options.length, h_s=SAMPLE_S)
     out = claim(options.out, "identify.json", "identify")
     files.check_folder(out, out)
@@ -76,6 +77,29 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     for path in [*identify_files.write(found, boat, fit, out), *hull]:
         console.print(f"results: {path}", soft_wrap=True, markup=False)
     return 0 if identify_report.holds(found) and (fit is None or fit[0]) else 1
+
+
+def _check_sizes(options: argparse.Namespace, surge_mass_kg: float) -> None:
+    """ValueError if the firmware has no parameter for a boat of this size."""
+    import flotilla
+
+    ranges = {one["name"]: (one["least"], one["greatest"]) for one in flotilla.parameter_list()}
+    for option, value, name, unit in (
+        ("mass", surge_mass_kg, "VES_M11", "kg"),
+        ("length", options.length, "BOAT_LEN", "m"),
+        ("arm", options.arm, "THR_ARM", "m"),
+    ):
+        least, greatest = ranges[name]
+        if not least <= value <= greatest:
+            raise ValueError(
+                f"--{option} {getattr(options, option):g}: {name} is from {least:.3g} to "
+                f"{greatest:.6g} {unit}; is the value in {unit}?"
+            )
+    if options.arm > options.length:
+        raise ValueError(
+            f"--arm {options.arm:g} is more than --length {options.length:g}: both are in metres, "
+            "and the arm is half the distance between the propellers"
+        )
 
 
 def _positive(text: str) -> float:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from sil import ROOT
+from sil.common import standard_streams
 
 _VERBS = {
     "demo": "four boats sail boat 1's plan; --live: in real time, shown in the browser",
@@ -69,6 +70,7 @@ def main(given: Sequence[str] | None = None) -> int:
         # With Python's threshold of 700, the garbage collector takes a tenth of the time in which a
         # verb's modules load.
         gc.set_threshold(_OBJECTS)
+        standard_streams.make_patient()
         given = sys.argv[1:]
     given = list(given)
     if not given or given[0] in ("-h", "--help"):
@@ -92,6 +94,7 @@ def main(given: Sequence[str] | None = None) -> int:
         if further and verb != "demo":  # demo passes them on
             parser.error(f"unrecognized arguments: {' '.join(further)}")
         status: int = command.main(options, given)
+        standard_streams.check()
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return _INTERRUPTED
@@ -101,6 +104,12 @@ def main(given: Sequence[str] | None = None) -> int:
             raise
         remedy = f"pip install 'flotilla-usv[{_EXTRAS[module]}]'"
         print(f"error: flotilla {verb} needs {module}: {remedy}", file=sys.stderr)
+        return 2
+    except MemoryError as error:
+        told = f": {error}" if str(error) else ""
+        print(
+            f"error: not enough memory{told}; sail fewer boats, or for less time", file=sys.stderr
+        )
         return 2
     except (OSError, ValueError) as error:
         print(f"error: {sentence(error)}", file=sys.stderr)

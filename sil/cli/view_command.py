@@ -8,6 +8,7 @@ folder of a run; or the folder of a campaign, whose worst run is shown.
 
 import argparse
 from collections.abc import Sequence
+from contextlib import suppress
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -104,8 +105,8 @@ def _worst_of(folder: Path, length_m: float | None) -> dict[str, Any]:
 
 
 def _metres(text: str) -> float:
-    """Parse a length in metres; ValueError if it is out of range."""
-    length_m = float(text)
-    if not 0.0 < length_m < inf:
-        raise ValueError(text)
-    return length_m
+    """Parse a length in metres; raise an argparse error if it is none."""
+    with suppress(ValueError):
+        if 0.0 < float(text) < inf:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"{text} is not a length in metres")

@@ -119,7 +119,7 @@ def _allowed(field: FieldInfo) -> str:
         return ", ".join(f'`"{one}"`' for one in options)
     metadata = [*field.metadata, *_metadata(field.annotation)]
     bounds = [
-        form.format(f"{getattr(one, name):g}")
+        form.format(f"{getattr(one, name):.10g}")
         for one in metadata
         for name, form in _BOUNDS.items()
         if getattr(one, name, None) is not None

@@ -34,7 +34,9 @@ def shape_places(shape: str, boats: int, spacing_m: float | None) -> list[Place]
             raise ValueError(f"--spacing {spacing_m:g}: must be greater than 0")
         places = slots(Formation(shape=shape, boats=boats, spacing_m=spacing_m))
     elif shape.endswith(".toml"):
-        places = _read(Path(shape), boats)
+        places = _read(Path(shape))
+        if len(places) != boats:
+            raise ValueError(f"{shape}: {len(places)} places for {boats} boats")
     else:
         near = difflib.get_close_matches(shape, names, 1)
         hint = f'; did you mean "{near[0]}"?' if near else ""
@@ -43,21 +45,31 @@ def shape_places(shape: str, boats: int, spacing_m: float | None) -> list[Place]
     return [(place[0] - x, place[1] - y) for place in places]
 
 
-def _read(path: Path, boats: int) -> list[Place]:
+def check_shape(shape: str, spacing_m: float | None) -> None:
+    """ValueError if no number of boats can take the shape."""
+    if shape.endswith(".toml"):
+        if spacing_m is not None:
+            raise ValueError(f"--spacing: {shape} has the places")
+        _read(Path(shape))
+    else:
+        shape_places(shape, 1, spacing_m)
+
+
+def _read(path: Path) -> list[Place]:
     """Read `places_m = [[ahead, starboard], …]`; the first place is the leader's."""
     try:
-        document: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
+        document: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     rows = document.get("places_m")
     if not isinstance(rows, list) or document.keys() != {"places_m"}:
         raise ValueError(f"{path}: must contain only places_m = [[ahead, starboard], …]")
+    if not rows:
+        raise ValueError(f"{path}: places_m is empty")
     for row in rows:
         pair = isinstance(row, list) and len(row) == 2
         if not pair or not all(type(x) in (int, float) and math.isfinite(x) for x in row):
             raise ValueError(f"{path}: {row} is not [ahead, starboard] in m")
-    if len(rows) != boats:
-        raise ValueError(f"{path}: {len(rows)} places for {boats} boats")
     return [(float(x), float(y)) for x, y in rows]
 
 

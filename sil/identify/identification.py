@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sil.identify import oddities, propeller_signs
+from sil.identify import kinematics, oddities, propeller_signs
 from sil.identify.equations import Problem
 from sil.identify.hull_terms import LOCAL, TERMS
 from sil.identify.intervals import Intervals, intervals
@@ -53,6 +53,8 @@ class Identification:
 
 def identify(logs: Sequence[VoyageLog], body: Body, told: Told) -> Identification:
     """The hull of these logs of one boat. Raises `BadLogError`."""
+    for log in logs:
+        kinematics.check(log)
     found = propeller_signs.find(logs)
     logs = tuple(propeller_signs.mended(log, found) for log in logs)
     odd = tuple(oddities.of_logs(logs))

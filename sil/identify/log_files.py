@@ -22,7 +22,10 @@ def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
     `BadLogError`, `OSError`.
     """
     logs, notes = [], []
-    for path in (file for given in paths for file in _files(given)):
+    found = [file for given in paths for file in _files(given)]
+    for k, path in enumerate(found):
+        if path.resolve() in {earlier.resolve() for earlier in found[:k]}:
+            raise BadLogError(f"{path}: is given twice; a log counts once")
         told: list[str] = []
         kind = path.suffix.lower()
         if kind == ".csv":

@@ -20,6 +20,14 @@ _TURN_AT_ONCE = 45.0  # rad/s: no boat turns so fast
 _STOP_PWM = (1450.0, 1550.0)
 _STOPPED = 0.1  # share of the samples at one pulse width: that is a stop
 FULL_US = 400.0
+_MOST = {
+    "north_m": 2e7,
+    "east_m": 2e7,
+    "lat_deg": 90.0,
+    "lon_deg": 360.0,
+    "surge_mps": 50.0,
+    "sway_mps": 50.0,
+}
 _USUAL_PWM = (1100.0, 1900.0)
 _ALIASES = (("left", "port"), ("right", "stbd"), ("starboard", "stbd"), ("heading", "yaw"))
 
@@ -31,6 +39,7 @@ def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
     """
     columns = _columns(path)
     notes: list[str] = []
+    _check_sizes(path, columns)
     t = _time(path, columns)
     motion = [
         Channel(t, _position(path, columns)),
@@ -79,6 +88,17 @@ def _columns(path: Path) -> dict[str, Array]:
     return dict(zip(given, table.T, strict=True))
 
 
+def _check_sizes(path: Path, columns: dict[str, Array]) -> None:
+    for name, most in _MOST.items():
+        values = columns.get(name, np.empty(0))
+        beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
+        if len(beyond):
+            raise BadLogError(
+                f"{path}: {name} is {values[beyond[0]]:.6g} in row {beyond[0] + 1} after the "
+                f"names, but at most ±{most:g} is possible. Check its unit, or leave the cell empty"
+            )
+
+
 def _need(path: Path, columns: dict[str, Array], *names: str) -> Array:
     for name in names:
         if name in columns:
@@ -117,9 +137,9 @@ def _heading(path: Path, columns: dict[str, Array]) -> Array:
         angle = np.radians(columns["yaw_deg"])
     else:
         angle = _need(path, columns, "yaw_rad", "yaw_deg")
-        if np.nanmax(np.abs(angle)) > _LARGEST_HEADING and np.nanmax(np.abs(np.diff(angle))) > 7.0:
+        if _largest(angle) > _LARGEST_HEADING and _largest(np.diff(angle)) > 7.0:
             raise BadLogError(
-                f"{path}: yaw_rad reaches {np.nanmax(np.abs(angle)):.0f}, which "
+                f"{path}: yaw_rad reaches {_largest(angle):.0f}, which "
                 "looks like degrees. If so, name the column yaw_deg."
             )
     known = np.isfinite(angle)
@@ -133,9 +153,9 @@ def _yaw_rate(path: Path, columns: dict[str, Array]) -> Array:
         rate: Array = np.radians(columns["yaw_rate_degps"])
     else:
         rate = _need(path, columns, "yaw_rate_radps", "yaw_rate_degps")
-    if np.nanmax(np.abs(rate)) > _TURN_AT_ONCE:
+    if _largest(rate) > _TURN_AT_ONCE:
         raise BadLogError(
-            f"{path}: a yaw rate of {np.nanmax(np.abs(rate)):.0f} rad/s; "
+            f"{path}: a yaw rate of {_largest(rate):.0f} rad/s; "
             "if yaw_rate_radps is in degrees per second, name it yaw_rate_degps."
         )
     return rate
@@ -144,14 +164,18 @@ def _yaw_rate(path: Path, columns: dict[str, Array]) -> Array:
 def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str]) -> Array:
     if side in columns:
         share = columns[side]
-        if np.nanmax(np.abs(share)) > 1.01:
+        if not np.isfinite(share).any():
+            raise BadLogError(f"{path}: {side} has no values")
+        if _largest(share) > 1.01:
             raise BadLogError(
-                f"{path}: {side} reaches {np.nanmax(np.abs(share)):.4g}, a command is −1 … 1. "
+                f"{path}: {side} reaches {_largest(share):.4g}, a command is −1 … 1. "
                 f"If it is a pulse width, name the column pwm_{side}_us; a thrust in newtons "
                 "must be divided by the greatest one."
             )
         return np.clip(share, -1.0, 1.0)
     pwm = _need(path, columns, f"pwm_{side}_us", f"{side}_pwm_us", side)
+    if not np.isfinite(pwm).any():
+        raise BadLogError(f"{path}: the {side} propeller's pulse width has no values")
     if not (np.nanmin(pwm) > 800.0 and np.nanmax(pwm) < 2200.0):
         raise BadLogError(
             f"{path}: pwm_{side}_us is {np.nanmin(pwm):.4g} … {np.nanmax(pwm):.4g}, "
@@ -168,3 +192,8 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
         return share
     # If the stop is not 1500, one side is longer; on a real BlueBoat that gives no more thrust.
     return np.clip(share, -1.0, 1.0)
+
+
+def _largest(values: Array) -> float:
+    """The largest size of the known values; 0 if none is known."""
+    return float(np.nanmax(np.abs(values), initial=0.0))

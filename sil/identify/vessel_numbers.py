@@ -34,10 +34,18 @@ class Boat:
 
 
 def drag_N(terms: Array, m11_kg: float, speed_mps: float) -> Array:
-    """Drag ahead at a speed of terms (…, K)."""
-    linear, quadratic = terms[..., INDEX["d11"]], terms[..., INDEX["d11_quadratic"]]
-    drag: Array = m11_kg * (linear + quadratic * speed_mps) * speed_mps
+    """Drag ahead at a speed of terms (…, K), of the water and of still air."""
+    drag: Array = m11_kg * (terms[..., INDEX["d11"]] + quadratic(terms) * speed_mps) * speed_mps
     return drag
+
+
+def quadratic(terms: Array) -> Array:
+    """Quadratic drag ahead over m11 of terms (…, K), of the water and of still air.
+
+    Logs with little wind determine only the sum of both, and the hull's files have no wind force.
+    """
+    both: Array = terms[..., INDEX["d11_quadratic"]] + terms[..., INDEX["wind_x"]]
+    return both
 
 
 def yaw_moment_Nm(terms: Array, m11_kg: float, rate_radps: float, length_m: float) -> Array:
@@ -73,7 +81,7 @@ def hull_of(found: Identification, boat: Boat) -> Preset:
         d11=m11 * t["d11"],
         d22=m11 * max(t["d22"] + t["d22_speed"] * speed, _LEAST_D22),
         d33=m11 * t["d33"],
-        d11_quadratic=m11 * t["d11_quadratic"],
+        d11_quadratic=m11 * float(quadratic(found.fit.values)),
         d33_quadratic=m11 * t["d33_quadratic"],
         d33_speed=m11 * t["d33_speed"],
         crossflow_cd=2.0 * m11 * t["d22_quadratic"] / (body.length_m * WATER_KGPM3 * draft),

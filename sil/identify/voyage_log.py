@@ -55,9 +55,16 @@ def sampled(name: str, motion: list[Channel], commands: Channel) -> VoyageLog:
             f"{name}: motion and commands overlap for only {max(end - begin, 0.0):.0f} s; "
             "an identification needs minutes. Log both at the same time."
         )
-    for what, channel in (("speed", motion[2]), ("yaw rate", motion[3])):
+    for what, channel in (
+        ("speed", motion[2]),
+        ("yaw rate", motion[3]),
+        ("heading", motion[1]),
+        ("position", motion[0]),
+    ):
         known = channel.t_s[np.isfinite(channel.values[:, 0])]
-        every_s = np.median(np.diff(known)) if len(known) > 1 else np.inf
+        if len(known) < 2:
+            raise BadLogError(f"{name}: the {what} has no values")
+        every_s = np.median(np.diff(known))
         if every_s > _GAP_S:
             raise BadLogError(
                 f"{name}: the {what} comes at {1.0 / every_s:.2g} Hz; 2 Hz or more is needed"

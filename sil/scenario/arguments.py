@@ -5,6 +5,7 @@ import argparse
 import difflib
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from sil.scenario.law import LAWS
@@ -51,10 +52,18 @@ def add_workers_to(command: argparse.ArgumentParser) -> None:
 
 def count(text: str) -> int:
     """Parse a count of at least 1."""
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("must be at least 1")
-    return number
+    with suppress(ValueError):
+        if int(text) >= 1:
+            return int(text)
+    raise argparse.ArgumentTypeError(f"{text} is not a whole number of at least 1")
+
+
+def number(text: str) -> int:
+    """Parse a number of 0 or more."""
+    with suppress(ValueError):
+        if int(text) >= 0:
+            return int(text)
+    raise argparse.ArgumentTypeError(f"{text} is not a whole number of at least 0")
 
 
 def parameters_of(texts: list[str]) -> dict[str, float]:

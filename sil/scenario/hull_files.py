@@ -5,6 +5,7 @@
 flotillad with `--param-file`. `.params`: QGroundControl's five columns, separated by tabs.
 """
 
+from sil import ROOT
 from sil.scenario import presets
 
 _REAL32 = 9  # MAV_PARAM_TYPE
@@ -12,11 +13,12 @@ _REAL32 = 9  # MAV_PARAM_TYPE
 
 def texts(name: str) -> dict[str, str]:
     """The files of a hull by suffix; ScenarioError as `presets.path_of`."""
-    hull = presets.load(name)
+    hull, path = presets.load(name), presets.path_of(name)
+    told = path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
     values = presets.firmware(hull)
     head = [
         f"# {about(name)}",
-        f"# At {hull.cruise.speed_mps:g} m/s; made by tools/reference from sil/hulls/{name}.toml,",
+        f"# At {hull.cruise.speed_mps:g} m/s; made by tools/reference from {told.as_posix()},",
         "# which has the source of each number and says which are estimates.",
     ]
     return of_values(values, head)
@@ -33,6 +35,7 @@ def of_values(values: dict[str, float], head: list[str]) -> dict[str, str]:
 
 
 def about(name: str) -> str:
-    """The boat's description: the first comment of the hull's file."""
-    lines = presets.path_of(name).read_text(encoding="utf-8").splitlines()
-    return lines[1].removeprefix("# ")
+    """The boat's description: the first comment of the hull's file but its licence."""
+    lines = presets.path_of(name).read_text(encoding="utf-8-sig").splitlines()
+    comments = [line.lstrip("# ") for line in lines if line.startswith("#") and "SPDX" not in line]
+    return comments[0] if comments else name

@@ -15,19 +15,24 @@ firmware derives the gains of the law from these numbers (`app/parameters/derive
 """
 
 import difflib
-import tomllib
 from functools import cache
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
 
 from sil import ROOT
 from sil.plant.hull import PAPER, HullParameters
 from sil.scenario.sections import Positive, Propellers, Section, Vessel
-from sil.scenario.toml_errors import ScenarioError
+from sil.scenario.toml_errors import ScenarioError, Source
 
 FOLDER = ROOT / "sil" / "hulls"
 _ITERATIONS, _STRIPS = 60, 400
+# Defaults of a scenario that are another boat's: a hull must have its own.
+_OWN = {
+    "vessel": ("m11", "m22", "m33", "d11", "d22", "d33"),
+    "propellers": ("arm_m", "forward_max_N", "reverse_max_N"),
+}
 _LEAST_D = 0.01  # not below the least VES_D11 and VES_D33
 DERIVED = (
     "LAW_KDU",
@@ -82,11 +87,16 @@ def path_of(name: str) -> Path:
 @cache
 def load(name: str) -> Preset:
     """Read a hull; ScenarioError as `path_of`, or if the file is not a valid hull."""
-    path = path_of(name)
+    source = Source.read(path_of(name))
     try:
-        return Preset.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except ValueError as error:
-        raise ScenarioError(f"{path}: not a valid hull: {error}") from None
+        hull = Preset.model_validate(source.document)
+    except ValidationError as error:
+        raise source.errors(error, Preset) from None
+    for part, keys in _OWN.items():
+        for key in keys:
+            if key not in source.document[part]:
+                raise source.error((part, key), f'missing key "{part}.{key}"')
+    return hull
 
 
 def firmware(preset: Preset) -> dict[str, float]:

@@ -6,6 +6,7 @@ file with `base = "NAME"` overrides keys of that scenario, boats by number: `[bo
 """
 
 import difflib
+import json
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,7 +36,6 @@ from sil.scenario.sections import (
     Navigation,
     NotNegative,
     Parameters,
-    Positive,
     Propellers,
     Scalar,
     Section,
@@ -67,7 +67,7 @@ class Scenario(Section):
     """
 
     name: str
-    duration_s: Positive
+    duration_s: Annotated[float, Field(gt=0.0, le=1e6)]
     seed: Annotated[int, Field(ge=0)] = 1
     law: Law = "product"
     scalar: Scalar = "float"
@@ -259,6 +259,10 @@ def _merged(common: Section, own: Section) -> dict[str, Any]:
 
 def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
     key: KeyPath
+    name = scenario.name
+    if name in ("", ".", "..") or not name.isprintable() or set(name) & set("/\\"):
+        told = json.dumps(name, ensure_ascii=False)
+        yield ("name",), f'"name" = {told}: must be one folder\'s name, for the results in out/'
     for index, boat in enumerate(scenario.boat, start=1):
         if boat.follows >= index:
             key = ("boat", str(index), "follows")
@@ -274,7 +278,7 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             key = ("white_noise", "sample_s")
             yield key, f'"{".".join(key)}" = {noise.sample_s}: {error}'
     for index, vessel in enumerate(scenario.vessels()):
-        if vessel.m23**2 >= vessel.m22 * vessel.m33:
+        if vessel.m23 * vessel.m23 >= vessel.m22 * vessel.m33:
             key = ("boat", str(index), "vessel", "m23") if index else ("vessel", "m23")
             yield key, f'"{".".join(key)}" = {vessel.m23}: its square must be less than m22 × m33'
     yield from _plan_contradictions(scenario)

@@ -86,7 +86,7 @@ class Wind(Section):
 class Waves(Section):
     """Significant height (0: none), peak period, course, JONSWAP's peakedness, sinusoids."""
 
-    height_m: NotNegative = 0.0
+    height_m: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
     period_s: Positive = 2.0
     course_rad: float = 0.0
     peakedness: Annotated[float, Field(ge=1.0, le=7.0)] = 3.3
@@ -190,7 +190,7 @@ class Link(Section):
 class Clocks(Section):
     """Largest offset and drift of each vessel's own clock; the seed determines the values."""
 
-    offset_s: NotNegative = 0.0
+    offset_s: Annotated[float, Field(ge=0.0, le=1e9)] = 0.0
     drift_ppm: NotNegative = 0.0
 
 

@@ -56,7 +56,8 @@ class Source:
         """Parse a file; ScenarioError if it cannot be read or is not TOML."""
         file = _shown(path)
         try:
-            text = path.read_text(encoding="utf-8")
+            # Some editors write a byte order mark first.
+            text = path.read_text(encoding="utf-8-sig")
         except OSError as error:
             raise ScenarioError(f"{file}: {error.strerror}") from None
         except UnicodeDecodeError:

@@ -34,7 +34,10 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
             trace = {key: arrays[key] for key in ("t_s", "eta", "nu", "error", "thrust")}
         if not trace["t_s"].size:
             raise ValueError("its trace is empty")
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+    except OSError as error:
+        lacking = f"{Path(error.filename or folder).name}: {error.strerror}"
+        raise ValueError(f"{folder} is not the folder of a run: {lacking}") from None
+    except (EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise ValueError(f"{folder} is not the folder of a run: {error}") from None
     try:
         sailed = scenario.load(name)

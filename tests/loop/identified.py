@@ -37,6 +37,7 @@ from sil.identify.voyage_model import Body
 from sil.lockstep.start import RunError
 from sil.lockstep.world import all_sailed, sail
 from sil.logs import own_motion
+from sil.plant.wind import AIR_KGPM3
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
 from tests.loop import gains
@@ -177,13 +178,16 @@ def shares(terms: Array, chosen: Scenario) -> dict[str, float]:
     """Errors of a scenario's hull as shares of the truth."""
     truth, body = chosen.vessel.hull, body_of(chosen)
     m11 = truth.m11
+    # A voyage determines only the sum of both drags.
+    windage = chosen.vessel.windage
+    air = 0.5 * AIR_KGPM3 * windage.frontal_m2 * windage.c_x
     x = truth.length_m * ((np.arange(400) + 0.5) / 400 - 0.5)
     out = {
         "m22": terms[INDEX["m22"]] / (truth.m22 / m11) - 1.0,
         "m33": terms[INDEX["m33"]] / (truth.m33 / m11) - 1.0,
     }
     for u in SPEEDS_MPS:
-        true = (truth.d11 + truth.d11_quadratic * u) * u
+        true = (truth.d11 + (truth.d11_quadratic + air) * u) * u
         out[f"drag {u:g}"] = float(vessel_numbers.drag_N(terms, m11, u)) / true - 1.0
     for r in RATES_RADPS:
         strips = truth.crossflow * np.abs(x) ** 3 * r * r * truth.length_m / 400

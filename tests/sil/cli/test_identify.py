@@ -12,6 +12,7 @@ from sil.identify.voyage_log import SAMPLE_S
 from sil.logs.own_motion import COLUMNS
 from sil.scenario import scenario
 from tests.sil.identify.sailed import HULL, levels, sail
+from tests.sil.mistakes import assert_told_in_one_line
 
 SIZES = ("--mass", "17.14", "--length", "1.2", "--arm", "0.28")
 
@@ -41,6 +42,26 @@ def test_a_log_becomes_a_page_parameters_and_a_hull_for_scenarios(
     assert fleet.vessel.hull.m33 == pytest.approx(HULL.m33, rel=0.1)
     page = (out / "identify.html").read_text(encoding="utf-8")
     assert "Good: predictions over 10 s of logs" in page and "data:image/png" in page
+
+
+@pytest.mark.parametrize(
+    ("sizes", "said"),
+    [
+        (("--mass", "1e300"), "--mass 1e+300: VES_M11 is from 0.01 to 100000 kg"),
+        (("--length", "150"), "--length 150: BOAT_LEN is from 0.1 to 50 m; is the value in m?"),
+        (("--arm", "28"), "--arm 28: THR_ARM is from 0.01 to 20 m"),
+        (("--arm", "0.001"), "--arm 0.001: THR_ARM is from 0.01 to 20 m"),
+        (("--arm", "2.8"), "--arm 2.8 is more than --length 1.2: both are in metres"),
+    ],
+)
+def test_impossible_sizes_are_refused_before_the_search(
+    sizes: tuple[str, str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, out = tmp_path / "log.csv", tmp_path / "out"
+    log.write_text("")
+    assert main(["identify", str(log), *SIZES, *sizes, "--out", str(out)]) == 2
+    assert_told_in_one_line(said, capsys)
+    assert not out.exists()
 
 
 @pytest.mark.nightly  # each push: tests/sil/identify/test_propeller_signs.py

@@ -28,6 +28,12 @@ COMMANDS = Path(cli.__file__).parent.glob("*_command.py")
         (["run", "nowhere.toml"], "nowhere.toml: No such file"),
         (["run", "diamond", "--set", "link.dely_s=1"], 'did you mean "delay_s"?'),
         (["run", "diamond", "--set", "duration_s=-1"], "greater than 0"),
+        (["run", "diamond", "--set", "duration_s=1e300"], "less than or equal to 1000000"),
+        (["run", "diamond", "--set", "vessel.m23=1e300"], "its square must be less than m22 × m33"),
+        (["run", "diamond", "--set", "waves.height_m=1e300"], "less than or equal to 100"),
+        (["run", "diamond", "--set", "clocks.offset_s=1e15"], "less than or equal to 1000000000"),
+        (["run", "diamond", "--set", 'name="../diamond"'], "must be one folder's name"),
+        (["run", "diamond", "--set", 'name=""'], "must be one folder's name"),
         (["run", "diamond", "--set", "navigation.rate_hz=400"], "must be at most rate_hz = 100"),
         (["run", "diamond", "--seed", "-1"], "greater than or equal to 0"),
         (["run", "diamond", "--param", "LAW_KX"], "must be NAME=VALUE"),
@@ -43,6 +49,41 @@ def test_a_mistake_is_reported_in_one_line(
     assert main([*arguments, "--out", str(out)]) == 2
     assert_told_in_one_line(said, capsys)
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["view", "out", "--length", "nan"], "argument --length: nan is not a length in metres"),
+        (["doctor", "--seconds", "0"], "argument --seconds: 0 is not a number of seconds"),
+        (["campaign", "diamond", "--runs", "1e9"], "argument --runs: 1e9 is not a whole number"),
+        (["campaign", "diamond", "--run", "-1"], "argument --run: -1 is not a whole number of"),
+    ],
+)
+def test_a_value_that_an_option_does_not_take_is_told_in_plain_words(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2 and said in capsys.readouterr().err
+
+
+def test_a_card_that_is_not_there_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["doctor", "--root", str(tmp_path / "card")]) == 2
+    assert_told_in_one_line("card: there is no such folder", capsys)
+
+
+def test_a_run_that_needs_more_memory_than_there_is_is_reported_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def load(*_: object) -> None:
+        raise MemoryError("Unable to allocate 112. GiB")
+
+    monkeypatch.setattr("sil.scenario.scenario.load", load)
+    assert main(["run", "diamond", "--out", str(tmp_path)]) == 2
+    assert_told_in_one_line("not enough memory: Unable to allocate 112. GiB; sail", capsys)
 
 
 def test_an_unwritable_results_folder_is_reported(

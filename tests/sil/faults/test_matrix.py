@@ -198,6 +198,9 @@ def test_a_matrix_that_is_interrupted_has_not_passed(
     [
         (["--only", "kraken"], "--only kraken: no fault's name contains that"),
         (["--soak", "0"], "must be positive"),
+        (["--seed", "3"], "--seed needs --soak"),
+        (["--soak", "1", "--only", "leader"], "leave out --only and --live"),
+        (["--soak", "1", "--live"], "leave out --only and --live"),
     ],
 )
 def test_mistakes_are_reported_in_one_line(

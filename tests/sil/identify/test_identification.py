@@ -11,12 +11,12 @@ import pytest
 
 from sil.certificate import one_hull
 from sil.identify import identify_files
-from sil.identify.hull_terms import INDEX
+from sil.identify.hull_terms import INDEX, TERMS
 from sil.identify.identification import Identification, identify
 from sil.identify.identify_report import holds, lacking
-from sil.identify.vessel_numbers import Boat, drag_N, parameters, yaw_moment_Nm
+from sil.identify.vessel_numbers import Boat, drag_N, hull_of, parameters, yaw_moment_Nm
 from sil.identify.voyage_log import SAMPLE_S
-from sil.identify.voyage_model import Body
+from sil.identify.voyage_model import Body, simulate, static_thrust
 from tests.sil.identify.sailed import HULL, PROPELLERS, levels, sail
 
 BODY = Body(arm_m=0.28, length_m=1.2, h_s=SAMPLE_S)
@@ -39,6 +39,23 @@ def test_drag_ahead_is_found() -> None:
     for u in (0.5, 1.0):
         true = HULL.d11 * u + HULL.d11_quadratic * u * u
         near(float(drag_N(found().fit.values, HULL.m11, u)), true, 0.05)
+
+
+def test_the_drag_is_the_thrust_that_holds_the_speed_in_calm() -> None:
+    terms = np.array([term.guess for term in TERMS])
+    terms[INDEX["wind_x"]] = 0.1
+    commands = np.full((400, 1, 2), 0.6)
+    out = simulate(terms[:, None], np.zeros((8, 1, 1)), np.zeros((6, 1, 1)), commands, BODY)
+    u = float(out[-1, 3, 0, 0])
+    assert u > 0.5 and u == pytest.approx(float(out[-20, 3, 0, 0]), rel=1e-4)
+    thrust = static_thrust(terms[:, None], commands[0, 0], BODY.gate).sum()
+    assert float(drag_N(terms, 1.0, u)) == pytest.approx(thrust, rel=1e-3)
+
+
+def test_the_hulls_file_has_the_drag_that_is_reported() -> None:
+    hull = hull_of(found(), BOAT).vessel
+    told = (hull.d11 + hull.d11_quadratic * 1.5) * 1.5
+    assert told == pytest.approx(float(drag_N(found().fit.values, BOAT.surge_mass_kg, 1.5)))
 
 
 def test_yaw_damping_is_found() -> None:

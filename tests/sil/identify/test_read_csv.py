@@ -161,6 +161,7 @@ NONSENSE: dict[str, tuple[str, Callable[[Any], Any], str]] = {
     "newtons": ("stbd", lambda c: 35.0 * c, "thrust in newtons"),
     "fast turns": ("yaw_rate_radps", lambda c: 100.0 * np.degrees(c), "degrees per second"),
     "time that stands": ("t_s", np.floor, "does not increase"),
+    "a leap": ("north_m", lambda c: np.where(np.arange(len(c)) == 7, 1e308, c), "1e.308 in row 8"),
 }
 
 
@@ -174,6 +175,33 @@ def test_impossible_values_are_refused_with_the_columns_name(tmp_path: Path, cas
     with pytest.raises(BadLogError, match=told) as error:
         read_csv(written(tmp_path, table))
     assert name in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("missing", "what"),
+    [
+        (("yaw_rad",), "heading"),
+        (("north_m", "east_m"), "position"),
+        (("surge_mps",), "speed"),
+        (("yaw_rate_radps",), "yaw rate"),
+        (("port",), "port"),
+    ],
+)
+def test_a_column_without_values_is_refused(
+    tmp_path: Path, missing: tuple[str, ...], what: str
+) -> None:
+    table = columns()
+    empty = dict.fromkeys(missing, np.full(len(table["t_s"]), np.nan))
+    with pytest.raises(BadLogError, match=f"{what} has no values"):
+        read_csv(written(tmp_path, table | empty))
+
+
+def test_a_log_that_is_given_twice_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, columns())
+    other = tmp_path / "other.csv"
+    other.symlink_to(path)
+    with pytest.raises(BadLogError, match=r"other\.csv: is given twice"):
+        read([path, other])
 
 
 @pytest.mark.parametrize(

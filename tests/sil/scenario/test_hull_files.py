@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The hulls' parameter files as ground stations and the firmware read them."""
 
+from pathlib import Path
+
 import flotilla
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
@@ -52,3 +54,11 @@ def test_a_ground_station_may_send_them_in_the_files_order(name: str) -> None:
         boat.on_mavlink(bytes(message.pack(station)), 100_000 * k, link=0)
         boat.tick(100_000 * k)
         assert boat.parameters()[parameter] == pytest.approx(value, rel=1e-6)
+
+
+def test_the_file_of_a_hull_of_ones_own_names_where_it_is_from(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    text = presets.path_of("paper").read_text(encoding="utf-8")
+    path.write_text(text.partition("\n\n")[2], encoding="utf-8")
+    lines = hull_files.texts(str(path))["param"].splitlines()
+    assert lines[0] == f"# {path}" and f"from {path}," in lines[1]

@@ -2,6 +2,7 @@
 """The named hulls: where each number is from, and what the firmware is told of them."""
 
 import tomllib
+from pathlib import Path
 
 import flotilla
 import numpy as np
@@ -15,6 +16,7 @@ from sil.plant import hull
 from sil.plant.hull import Array
 from sil.scenario import presets
 from sil.scenario.scenario import load
+from sil.scenario.toml_errors import ScenarioError
 
 NAMES = presets.names()
 
@@ -27,6 +29,30 @@ def test_every_number_has_a_source_or_is_called_an_estimate(name: str) -> None:
         for key in document[table]:
             first = said[table, key].replace(",", ":").partition(":")[0]
             assert first in {*document["sources"], "estimate"}, (name, table, key)
+
+
+@pytest.mark.parametrize(
+    ("line", "new", "told"),
+    [
+        ("m11 = ", "", '[0-9]+: missing key "vessel.m11"'),
+        ("arm_m = ", "", '[0-9]+: missing key "propellers.arm_m"'),
+        ("m11 = ", "m11 = nan", '13: "vessel.m11" = NaN: must be a finite number'),
+        ("m11 = ", "m11 = -1", '13: "vessel.m11" = -1: must be greater than 0'),
+        ("m11 = ", "m12 = 1", '13: unknown key "vessel.m12"'),
+        ("m11 = ", "m22 = 1", "14: not TOML: Cannot overwrite a value"),
+        ("[propellers]", "[propeler]", 'missing key "propellers"'),
+    ],
+)
+def test_mistake_in_a_hulls_file_is_reported_by_line_and_key(
+    tmp_path: Path, line: str, new: str, told: str
+) -> None:
+    text = presets.path_of("paper").read_text(encoding="utf-8").splitlines()
+    (at,) = [k for k, row in enumerate(text) if row.startswith(line)]
+    path = tmp_path / "mine.toml"
+    path.write_text("\n".join([*text[:at], new, *text[at + 1 :]]), encoding="utf-8")
+    with pytest.raises(ScenarioError, match=rf"mine\.toml:.*{told}") as error:
+        presets.load(str(path))
+    assert "pydantic" not in str(error.value)
 
 
 def skew(a: list[float]) -> Array:

@@ -188,6 +188,14 @@ def test_a_word_of_an_override_may_do_without_quotation_marks(value: str) -> Non
     assert load("diamond", [f"scalar={value}"]).scalar == "q16"
 
 
+def test_a_byte_order_mark_before_a_scenario_is_no_mistake(tmp_path: Path) -> None:
+    plain = written(tmp_path, OVER_DIAMOND)
+    marked = tmp_path / "marked" / plain.name
+    marked.parent.mkdir()
+    marked.write_bytes(b"\xef\xbb\xbf" + plain.read_bytes())
+    assert load(marked) == load(plain)
+
+
 @pytest.mark.parametrize(
     ("line", "new", "told"),
     [

@@ -134,7 +134,14 @@ def test_a_folder_without_a_run_is_reported_in_one_line(
         (folder / damage).write_bytes(b"damaged")
     with pytest.raises(ValueError, match=str(folder)) as told:
         history_of_run(folder)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(told.value) and "Errno" not in str(told.value)
+
+
+def test_an_empty_trace_is_reported(lost: Path, tmp_path: Path) -> None:
+    shutil.copytree(lost, tmp_path / "run")
+    (tmp_path / "run" / "trace.npz").write_bytes(b"")
+    with pytest.raises(ValueError, match="run is not the folder of a run: No data left in file"):
+        history_of_run(tmp_path / "run")
 
 
 def test_a_recording_that_was_cut_off_has_no_times_and_is_refused(
