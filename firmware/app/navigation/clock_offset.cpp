@@ -39,6 +39,13 @@ void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
   widen(now_us);
   const std::int64_t upper = now_us - stamp_us;
   upper_ = upper_ && !std::exchange(begins_anew_, false) ? std::min(*upper_, upper) : upper;
+  constexpr std::int64_t kMost = std::numeric_limits<std::uint16_t>::max();
+  late_ = static_cast<std::uint16_t>(std::min((upper - *upper_) >> kShift, kMost));
+  latest_ = std::max(latest_, late_);
+  const auto fell = static_cast<std::uint16_t>(latest_ - late_);
+  if (fell <= std::max<unsigned>(fell_, kLate_us >> kShift)) return;
+  fell_ = fell;
+  fell_at_ = static_cast<std::uint32_t>(now_us >> kShift);
 }
 
 void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
@@ -55,6 +62,9 @@ void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int6
     return;
   }
   const auto near = kFarthest_us - static_cast<std::uint32_t>(std::max<std::int64_t>(width_us, 0));
+  const std::uint32_t since_fall = static_cast<std::uint32_t>(sent_us >> kShift) - fell_at_;
+  if (fell_ != 0 && static_cast<std::int32_t>(since_fall) > 0) nearness_ = next_ = fell_ = 0;
+  if (fell_ == 0) latest_ = late_;
   next_ = std::max(next_, near);
   nearness_ = std::max(nearness_, next_);
   if (++answers_ % kAnswers == 0) nearness_ = std::exchange(next_, 0);
@@ -64,6 +74,12 @@ bool ClockOffset::is_later_than(const ClockOffset& other) const {
   if (!upper_ || !other.upper_) return false;
   const std::int64_t later_us = *upper_ - *other.upper_;
   return kLate_us < later_us && later_us < 15'000'000;
+}
+
+std::optional<std::int64_t> ClockOffset::least_us() const {
+  auto least = below_upper(1);
+  if (least && was_answered()) *least -= std::int64_t{fell_} << kShift;
+  return least;
 }
 
 /// The upper bound less the width between the bounds / share.

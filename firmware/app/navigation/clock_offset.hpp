@@ -8,8 +8,11 @@
 //
 // When the upper bound falls, either a message had less latency than all before it, or their clock
 // was set ahead or runs fast. So the lower bound falls by the same amount until an answer confirms
-// it. An answer counts for at most the next 32 answers, because their clock may have been set back
-// and ahead again. After a minute without answers the distance between the bounds stops growing:
+// it. The same is true when messages that were late come in time again: until an answer to a later
+// request, the least possible offset is lower by what their lateness has fallen, and that answer
+// replaces all before it. An answer counts for at most the next 32 answers, because their clock may
+// have been set back and ahead again. After a minute without answers the distance between the
+// bounds stops growing:
 // the greatest possible latency of the promptest message remains known, and the stamps are judged
 // like those of a sender that never answers.
 #pragma once
@@ -38,7 +41,7 @@ class ClockOffset {
   std::optional<std::int64_t> offset_us() const { return below_upper(2); }
 
   /// The least possible offset; it gives the greatest possible age.
-  std::optional<std::int64_t> least_us() const { return below_upper(1); }
+  std::optional<std::int64_t> least_us() const;
 
   /// TIMESYNC bounds the offset from below.
   bool was_answered() const { return nearness_ != 0; }
@@ -65,6 +68,7 @@ class ClockOffset {
  private:
   static constexpr std::uint32_t kFarthest_us = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint16_t kMinute_us = 6'000;  ///< possible drift in a minute
+  static constexpr unsigned kShift = 10;
 
   void widen(std::int64_t now_us);
   std::optional<std::int64_t> below_upper(std::uint32_t share) const;
@@ -73,6 +77,10 @@ class ClockOffset {
   std::optional<std::int64_t> upper_;
   // How near the lower bound is to the upper one, kFarthest_us minus their distance; 0: unknown.
   std::uint32_t nearness_ = 0, next_ = 0;  ///< by the last 16 to 31 answers, by the last 0 to 15
+  // By how much messages came later than the promptest, in units of 2^kShift µs: the last one; the
+  // latest since an answer; by how much that fell, as when their clock was set ahead.
+  std::uint16_t late_ = 0, latest_ = 0, fell_ = 0;
+  std::uint32_t fell_at_ = 0;     ///< our time, in these units
   std::uint16_t drifted_us_ = 0;  ///< possible drift since the last answer, at most a minute's
   std::uint8_t answers_ = 0;
   bool disputed_ = false;

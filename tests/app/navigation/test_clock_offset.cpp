@@ -216,6 +216,49 @@ TEST_CASE("late messages do not look younger while their sender's clock runs fas
   }
 }
 
+TEST_CASE("late messages do not count as prompt when their sender's clock is set ahead") {
+  constexpr std::int64_t kLate_us = 10'000'000, kSet_us = 9'900'000, kEvery_us = 100'000;
+  ClockOffset clock;
+  Radio radio{.offset_us = kHour_us, .delay_us = 100'000};
+  radio.talk(clock, 0, 20'000'000, true);
+  const auto heard = [&](std::int64_t sent_us, std::int64_t set_us, std::int64_t delay_us) {
+    const std::int64_t stamp = radio.theirs(sent_us) + set_us;
+    clock.heard(stamp, sent_us + delay_us);
+    return sent_us + delay_us - (stamp + *clock.least_us());
+  };
+  std::int64_t t = 20'000'000;
+  for (; t < 40'000'000; t += kEvery_us) CHECK(heard(t, 0, kLate_us) >= kLate_us);
+  const std::int64_t set_at = t;
+  for (; t < 60'000'000; t += kEvery_us) CHECK(heard(t, kSet_us, kLate_us) >= kLate_us);
+
+  SUBCASE("and an answer read by the old clock changes nothing") {
+    clock.answered(set_at - kLate_us, radio.theirs(set_at - kEvery_us), t);
+    CHECK(heard(t, kSet_us, kLate_us) >= kLate_us);
+  }
+  SUBCASE("nor does an answer that comes as late as they do") {
+    clock.answered(t, radio.theirs(t + kLate_us) + kSet_us, t + 2 * kLate_us);
+    CHECK(heard(t + kLate_us + kEvery_us, kSet_us, kLate_us) >= kLate_us);
+  }
+  SUBCASE("until both are prompt again") {
+    t += 2 * kLate_us;
+    heard(t, kSet_us, 100'000);
+    const std::int64_t asked = t + 200'000;
+    clock.answered(asked, radio.theirs(asked + 100'000) + kSet_us, asked + 200'000);
+    CHECK(heard(asked + 300'000, kSet_us, 100'000) < 500'000);
+  }
+}
+
+TEST_CASE("messages that were held up and come in time again are known by the next answer") {
+  ClockOffset clock;
+  Radio radio{.offset_us = kHour_us, .delay_us = 50'000};
+  radio.talk(clock, 0, 20'000'000, true);
+  clock.heard(radio.theirs(20'000'000), 22'000'000);
+  clock.heard(radio.theirs(22'000'000), 22'050'000);
+  CHECK(22'050'000 - (radio.theirs(22'000'000) + *clock.least_us()) > 1'900'000);
+  clock.answered(22'100'000, radio.theirs(22'150'000), 22'200'000);
+  CHECK(22'200'000 - (radio.theirs(22'150'000) + *clock.least_us()) < 200'000);
+}
+
 TEST_CASE("a clock that is set back and ahead again is known after 32 answers") {
   Late late{1'900'000, 100'000};
   late.talk(40);
