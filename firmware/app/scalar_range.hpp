@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether the law's numbers stay within its scalar's range.
+// Whether the law's numbers stay within its scalar's range, and are numbers.
 #pragma once
 
 #include <utility>
@@ -15,6 +15,9 @@ class ScalarRange {
  public:
   static void clear() { core::take_overflow<S>(); }
   void collect() { overflow_ = core::take_overflow<S>() || overflow_; }
+
+  /// Treats NaN like an overflow.
+  void collect(S number) { overflow_ = !(number == number) || overflow_; }
 
   /// Call when all parameters have been converted, and nothing else since the last collect().
   void judge_parameters() {
