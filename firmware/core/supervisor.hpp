@@ -259,21 +259,30 @@ struct Response {
   Conditions lost = 0;
 };
 
+/// What becomes of a choice: only a boat behind a leader can coast, or hand over to fresh sticks by
+/// itself; a boat in COAST coasts on.
+constexpr Response effect_of(const Choices& choices, Reaction choice, State state, Conditions met,
+                             Conditions lost) {
+  using enum Reaction;
+  if (choice == kManual && (met & kSticksFresh) == 0) choice = kHold;
+  if (choice != kCoast && choice != kManual) return {choice, lost};
+  if ((kFollowing & in(state)) == 0) return {kHold, lost};
+  if (state != State::kCoast) return {choice, lost};
+  if ((met & kCoastRunning) != 0) return {kCoast, lost};
+  return {choices.coast_end, kCoastRunning};
+}
+
 /// The most careful of the reactions to the conditions that are lost in this state.
 constexpr Response response_to(const Choices& choices, State state, Conditions met) {
   Response out;
   for (const Loss& loss : kLossTable) {
     const Conditions lost = (loss.in & in(state)) != 0 ? loss.needs & ~met : 0;
-    const Reaction choice = choices.*loss.choice;
-    if (lost == 0 || out.reaction < choice) continue;
-    out = {choice, choice == out.reaction ? out.lost | lost : lost};
+    if (lost == 0) continue;
+    const Response next = effect_of(choices, choices.*loss.choice, state, met, lost);
+    if (next.reaction == out.reaction) out.lost |= next.lost;
+    if (next.reaction < out.reaction) out = next;
   }
-  if (out.reaction != Reaction::kCoast && out.reaction != Reaction::kManual) return out;
-  // Only a boat behind a leader can coast, or hand over to the sticks by itself.
-  if ((kFollowing & in(state)) == 0) return {Reaction::kHold, out.lost};
-  if (state != State::kCoast) return out;
-  if ((met & kCoastRunning) != 0) return {Reaction::kCoast, out.lost};
-  return {choices.coast_end, kCoastRunning};
+  return out;
 }
 
 struct Verdict {
@@ -305,7 +314,7 @@ constexpr Verdict supervise(State state, Request request, Conditions met,
     if (row.on != 0 && (row.on & by(response.reaction)) == 0) continue;
     const Conditions unmet = row.needs & ~met;
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
-    const Conditions lost = row.on != 0 ? row.lacks & response.lost : row.lacks & ~met;
+    const Conditions lost = row.on != 0 ? response.lost : row.lacks & ~met;
     if (unmet == 0 && lacking) return {row.to, true, lost};
     missing = unmet;  // in the end those of the last row, which needs least
   }
