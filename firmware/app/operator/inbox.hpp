@@ -46,14 +46,14 @@ class Inbox {
     }
     ++counters.requests_dropped;
     if (!stops(pending)) return;
-    auto last = std::find_if_not(pending_.rbegin(), pending_.rend(), stops);
-    if (last == pending_.rend()) last = std::find_if_not(pending_.rbegin(), last, ends);
-    if (last == pending_.rend()) {
+    auto given_up = last_not(stops);
+    if (given_up == pending_.size()) given_up = last_not(ends);
+    if (given_up == pending_.size()) {
       if (!ends(pending)) return;
-      last = pending_.rbegin();
+      --given_up;
     }
-    const auto given_up = last.base() - 1;
-    std::move(given_up + 1, pending_.end(), given_up);
+    const auto gap = pending_.begin() + static_cast<std::ptrdiff_t>(given_up);
+    std::move(gap + 1, pending_.end(), gap);
     pending_.back() = pending;
   }
 
@@ -62,10 +62,9 @@ class Inbox {
   /// Removes the requests for which a predicate is true; returns how many.
   template <class Predicate>
   std::uint32_t drop(Predicate predicate) {
-    const auto end = pending_.begin() + static_cast<std::ptrdiff_t>(count_);
-    const auto dropped = end - std::remove_if(pending_.begin(), end, predicate);
-    count_ -= static_cast<std::size_t>(dropped);
-    return static_cast<std::uint32_t>(dropped);
+    const std::size_t were = count_;
+    count_ = remove(were, predicate);
+    return static_cast<std::uint32_t>(were - count_);
   }
 
   enum class Taken : std::uint8_t {
@@ -84,10 +83,7 @@ class Inbox {
     for (; i < count_ && !last; ++i) {
       const Taken taken = answer(pending_[i]);
       if (taken == Taken::kKept) pending_[kept++] = pending_[i];
-      if (taken == Taken::kStop) {
-        const auto begin = pending_.begin(), end = begin + static_cast<std::ptrdiff_t>(kept);
-        kept = static_cast<std::size_t>(std::remove_if(begin, end, undoes_stop) - begin);
-      }
+      if (taken == Taken::kStop) kept = remove(kept, undoes_stop);
       last = taken == Taken::kLast || taken == Taken::kStop;
     }
     while (i < count_) pending_[kept++] = pending_[i++];
@@ -96,6 +92,25 @@ class Inbox {
   }
 
  private:
+  /// The last one for which the predicate is false; their number if there is none.
+  template <class Predicate>
+  std::size_t last_not(Predicate predicate) const {
+    std::size_t i = pending_.size();
+    while (i > 0 && predicate(pending_[i - 1])) --i;
+    return i > 0 ? i - 1 : pending_.size();
+  }
+
+  /// Closes the gaps of those among the first `count` for which the predicate is true; returns how
+  /// many are left.
+  template <class Predicate>
+  std::size_t remove(std::size_t count, Predicate predicate) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!predicate(pending_[i])) pending_[kept++] = pending_[i];
+    }
+    return kept;
+  }
+
   std::array<PendingRequest, 24> pending_{};
   std::size_t count_ = 0;
 };

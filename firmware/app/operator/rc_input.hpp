@@ -19,8 +19,9 @@ class RcInput {
  public:
   RcInput() = default;
 
-  /// Whether pulses of this component count: only one component's do until it has sent no valid
-  /// ones for half a second, or reports its receiver as lost.
+  /// Whether pulses of this sender count: only one sender's do until it has sent no valid ones for
+  /// half a second, or reports its receiver as lost. Of a transmitter the sender is a component, of
+  /// overrides a system.
   bool hears(std::uint8_t component, std::int64_t now_us) const;
   /// Takes the pulses of channels 1 and up, µs; switch_channel counts from 1. False if a channel
   /// that is needed is missing or has no valid pulse, or if the throttle is that of a receiver
@@ -36,9 +37,12 @@ class RcInput {
 
   /// The pilot has taken over, and is heard.
   bool pilots(std::int64_t now_us) const;
+  /// The pilot's switch is on.
+  bool holds(std::int64_t now_us) const { return on_ && is_heard(now_us); }
   std::optional<Sticks> sticks() const { return pilots_ ? std::optional(sticks_) : std::nullopt; }
 
-  /// The pilot's pending request, MANUAL or HOLD; MANUAL again and again while the switch is on.
+  /// The pilot's pending request, MANUAL or HOLD. While the switch is on: MANUAL again and again; a
+  /// motor test ends with HOLD first.
   std::optional<core::Request> take_request(core::State state, std::int64_t now_us);
 
  private:
@@ -47,6 +51,8 @@ class RcInput {
     std::array<std::uint8_t, 4> components{};
     std::uint8_t next = 0;  ///< where the next one is noted
   };
+
+  bool is_heard(std::int64_t now_us) const;
 
   RcInput(std::uint8_t component, const Lost& lost) : lost_(lost), component_(component) {}
 

@@ -156,7 +156,8 @@ void Vehicle::forward(std::size_t link, const link::Received& received, std::int
   }
 }
 
-/// Accepts sticks only from an operator who may command, and only if addressed to this boat.
+/// Accepts sticks only from an operator who may command, only if addressed to this boat, and not
+/// while a pilot's switch is on.
 void Vehicle::take_sticks(std::size_t link, const link::Received& received,
                           const link::ManualControl& message, std::int64_t now_us,
                           link::Counters& counters) {
@@ -166,7 +167,8 @@ void Vehicle::take_sticks(std::size_t link, const link::Received& received,
     return;
   }
   const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
-  if (ours && may_command(received.from) && stick_link_.takes(received.from, link, now_us)) {
+  if (ours && !pilot_holds() && may_command(received.from) &&
+      stick_link_.takes(received.from, link, now_us)) {
     supervisor_.take_sticks({*surge, *yaw}, received.from, now_us);
   }
 }
@@ -186,6 +188,8 @@ bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int
   } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
     const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
     if (!channel || !ours || !may_command(received.from)) return false;
+    component = received.from.system;
+    if (!override_.hears(component, now_us)) return true;
     if (!override_link_.takes(received.from, link, now_us)) return true;
     input = &override_;
     pulses_us = given->pulses;
@@ -242,7 +246,10 @@ void Vehicle::apply_rc(link::Counters& counters) {
   const auto overrides = override_.take_request(supervisor_.state(), now_us_);
   auto asked = transmitter_.take_request(supervisor_.state(), now_us_);
   if (!asked && !transmitter_.pilots(now_us_)) asked = overrides;
-  if (asked == Request::kHold) note_stop();
+  if (asked == Request::kHold) {
+    note_stop();
+    drop_orders(counters);
+  }
   if (asked) request(*asked, counters);
 }
 
@@ -258,9 +265,14 @@ bool Vehicle::obey(Request request, link::Counters& counters) {
   return decision.granted;
 }
 
-bool Vehicle::obey_stop(link::Counters& counters) {
+/// Drops waiting requests that would undo a stop.
+void Vehicle::drop_orders(link::Counters& counters) {
   counters.requests_dropped += inbox_.drop(
       [](const PendingRequest& pending) { return undoes_stop(pending) && !stops(pending); });
+}
+
+bool Vehicle::obey_stop(link::Counters& counters) {
+  drop_orders(counters);
   const State state = supervisor_.state();
   const bool drives = core::law_drives(state) || state == State::kManual || state == State::kTest;
   return !drives || obey(Request::kHold, counters);
@@ -290,8 +302,17 @@ bool Vehicle::answer(link::Counters& counters) {
   return more;
 }
 
+/// While a pilot's switch is on, an operator may only arm and stop the boat.
+bool Vehicle::is_barred(Request request) const {
+  using enum Request;
+  const bool drives = request == kTest || request == kFormation || request == kAuto ||
+                      request == kGuided || request == kLoiter || request == kReturn;
+  return drives && pilot_holds();
+}
+
 /// Judges AUTO by the way from the boat's present place to the item that is chosen now.
 Supervisor::Decision Vehicle::judge(Request request) {
+  if (is_barred(request)) return {false, false, 0};
   if (request == Request::kAuto && supervisor_.state() != State::kAuto) {
     const auto here = place();
     if (here) missions_.check_way(*here, configuration_.plan);
@@ -316,6 +337,8 @@ Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
   } else if (convert::is_dead(asked.motor_test->share, configuration_.propulsion)) {
     asked.result = mav::kDenied;
     return {false, false, 0};
+  } else if (is_barred(Request::kTest)) {
+    decision = {false, false, 0};
   } else {
     decision = supervisor_.request_test(*asked.motor_test, now_us_);
   }
@@ -345,7 +368,8 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
   const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
   if (missing == 0) {
     const State state = supervisor_.state();
-    const auto* const why = state == State::kFault      ? "FAULT, disarm first"
+    const auto* const why = is_barred(request)          ? "a pilot's switch is on"
+                            : state == State::kFault    ? "FAULT, disarm first"
                             : state == State::kDisarmed ? "arm first"
                             : state == State::kHold     ? "thrust is below THR_DEAD"
                                                         : "HOLD first";

@@ -179,6 +179,9 @@ class Vehicle {
                      link::Counters& counters);
   std::optional<PlanReport> plan_report() const;
   void refresh();
+  bool pilot_holds() const { return transmitter_.holds(now_us_) || override_.holds(now_us_); }
+  bool is_barred(core::Request request) const;
+  void drop_orders(link::Counters& counters);
   Supervisor::Decision judge(core::Request request);
   std::optional<convert::Position> place() const;
   Supervisor::Decision ask(DecodedCommand& asked);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // MAVLink's checksum, CRC-16/MCRF4XX: reflected polynomial 0x8408, initial value 0xFFFF. Uses tables,
-// eight bytes at a time (two on a microcontroller, to save flash): the generated crc_calculate()
+// eight bytes at a time (one on a microcontroller, to save flash): the generated crc_calculate()
 // works bit by bit and took half of the decoding time. Source: M. E. Kounavis, F. L. Berry, A
 // Systematic Approach to Building High Performance Software-based CRC Generators ("slicing by 8").
 #pragma once
@@ -12,7 +12,7 @@
 
 namespace flotilla::link {
 
-constexpr std::size_t kCrcRows = sizeof(void*) == 8 ? 8 : 2;
+constexpr std::size_t kCrcRows = sizeof(void*) == 8 ? 8 : 1;
 
 /// Row k: the CRC of a byte followed by k zeros, from initial value 0.
 inline constexpr std::array<std::array<std::uint16_t, 256>, kCrcRows> kMavlinkCrcTables = [] {
@@ -42,8 +42,10 @@ constexpr std::uint16_t mavlink_crc(std::span<const std::uint8_t> bytes, std::ui
       crc = t[7][(crc ^ b[0]) & 0xFFU] ^ t[6][(crc >> 8U) ^ b[1]] ^ t[5][b[2]] ^ t[4][b[3]] ^
             t[3][b[4]] ^ t[2][b[5]] ^ t[1][b[6]] ^ t[0][b[7]];
     }
+    for (; left >= 2; left -= 2, b += 2) {
+      crc = t[1][(crc ^ b[0]) & 0xFFU] ^ t[0][(crc >> 8U) ^ b[1]];
+    }
   }
-  for (; left >= 2; left -= 2, b += 2) crc = t[1][(crc ^ b[0]) & 0xFFU] ^ t[0][(crc >> 8U) ^ b[1]];
   for (; left > 0; --left, ++b) crc = (crc >> 8U) ^ t[0][(crc ^ *b) & 0xFFU];
   return static_cast<std::uint16_t>((crc >> 8U) ^ t[0][(crc ^ crc_extra) & 0xFFU]);
 }
