@@ -161,5 +161,5 @@ class _Curve:
         linear = 1.0 - self.expo
         if self.expo > 0.0:
             root = np.sqrt(linear * linear + 4.0 * self.expo * share)
-            share = np.where(share > 0.0, 2.0 * share / (linear + root), share)
+            share = 2.0 * share / np.where(share > 0.0, linear + root, 1.0)
         return np.asarray(np.copysign(share, thrust_N))

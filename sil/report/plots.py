@@ -186,8 +186,12 @@ def plain_decades(axes: Axes) -> None:
     lines.
     """
     axes.yaxis.set_minor_locator(NullLocator())
-    decimal = FuncFormatter(lambda value, _: np.format_float_positional(value, trim="-"))
-    axes.yaxis.set_major_formatter(decimal)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: decimal(value)))
+
+
+def decimal(value: float) -> str:
+    """The label of a tick, which may be 9.999999999999999e-06: "0.00001"."""
+    return np.format_float_positional(value, precision=3, fractional=False, trim="-")
 
 
 def draw_map(

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from sil.certificate.loop import COMPONENTS, Loop, leader_rows
+from sil.certificate.loop import COMPONENTS, Loop, _Curve, leader_rows
 from sil.lockstep.world import World
 from sil.plant.hull import Array
 from sil.scenario.scenario import load
@@ -96,6 +96,12 @@ def test_propeller_with_a_known_curve_gives_the_thrust_requested(expo: float) ->
     np.testing.assert_allclose(loop.thrust, [[1.3, 0.7]], atol=0.02)
     slot: Array = reference(*TURN).motion.eta(np.array([8.0]))
     np.testing.assert_allclose(loop.eta, slot, atol=1e-3)
+
+
+def test_no_thrust_needs_no_command_on_a_quadratic_curve() -> None:
+    limits = {"THR_FWD_MAX": 4.0, "THR_REV_MAX": 4.0, "THR_BALANCE": 0.0, "THR_EXPO": 1.0}
+    with np.errstate(all="raise"):
+        assert _Curve.of(limits)(np.array([0.0, 1.0])).tolist() == [0.0, 0.5]
 
 
 def test_thrust_beyond_the_propellers_is_reported_as_limited() -> None:
