@@ -3,10 +3,7 @@
 
 import io
 import sys
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from _typeshed import ReadableBuffer
+from typing import Any
 
 
 def make_patient() -> None:
@@ -18,7 +15,8 @@ def make_patient() -> None:
     """
     for name, number in (("stdout", 1), ("stderr", 2)):
         stream = getattr(sys, name)
-        if isinstance(stream, io.TextIOWrapper) and not stream.isatty():
+        own = stream is getattr(sys, f"__{name}__")  # not a test's
+        if own and isinstance(stream, io.TextIOWrapper) and not stream.isatty():
             stream.flush()
             setattr(sys, name, _patient(name, stream, number))
 
@@ -47,7 +45,7 @@ def _patient(name: str, stream: io.TextIOWrapper, number: int) -> io.TextIOWrapp
 class _Pipe(io.FileIO):
     lost: OSError | None = None
 
-    def write(self, data: "ReadableBuffer", /) -> int:
+    def write(self, data: Any, /) -> int:
         try:
             return super().write(data)
         except OSError as error:

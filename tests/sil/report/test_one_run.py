@@ -75,8 +75,8 @@ def test_brackets_in_names_are_printed_as_they_are(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "[a]"
-    named = ("--set", "duration_s=2", "--set", 'name="[/b]"')
+    named = ("--set", "duration_s=2", "--set", 'name="[b]"')
     main(["run", "diamond", *named, "--mcap", "--out", str(out)])
     told = capsys.readouterr().out
     assert f"results: {out}/report.html" in told and f"log: {out}/run.mcap" in told
-    assert "[/b]: sailing 2 s" in told and "[/b], seed 1" in told
+    assert "[b]: sailing 2 s" in told and "[b], seed 1" in told
