@@ -283,26 +283,33 @@ Reaction chosen(const Choices& choices, State state, Conditions met) {
   const bool needs_station = behind || state == State::kAuto || state == State::kGuided;
   const bool keeps_limits = needs_station || state == State::kLoiter;
   std::vector<Reaction> all;
-  if (behind && !is.follows()) all.push_back(choices.leader);
-  if (needs_station && !is.gcs) all.push_back(choices.gcs);
-  if (keeps_limits && !has(met, kBatteryGood)) all.push_back(choices.battery);
-  if (keeps_limits && !has(met, kInsideFence)) all.push_back(choices.fence);
-  for (const Reaction careful : {Reaction::kHold, Reaction::kLoiter, Reaction::kReturn}) {
+  const auto add = [&](bool lost, Reaction choice) {
+    if (!lost) return;
+    if (choice == Reaction::kManual && !has(met, kSticksFresh)) choice = Reaction::kHold;
+    const bool goes_on = choice == Reaction::kCoast || choice == Reaction::kManual;
+    if (goes_on && !behind) choice = Reaction::kHold;
+    if (goes_on && state == State::kCoast && choice != Reaction::kHold) {
+      choice = is.coasts ? Reaction::kCoast : choices.coast_end;
+    }
+    all.push_back(choice);
+  };
+  add(behind && !is.follows(), choices.leader);
+  add(needs_station && !is.gcs, choices.gcs);
+  add(keeps_limits && !has(met, kBatteryGood), choices.battery);
+  add(keeps_limits && !has(met, kInsideFence), choices.fence);
+  using enum Reaction;
+  for (const Reaction careful : {kHold, kLoiter, kReturn, kCoast, kManual}) {
     if (std::ranges::find(all, careful) != all.end()) return careful;
   }
-  if (all.empty()) return Reaction::kNone;
-  if (!behind) return Reaction::kHold;
-  if (state == State::kCoast) return is.coasts ? Reaction::kCoast : choices.coast_end;
-  const bool coasts = std::ranges::find(all, Reaction::kCoast) != all.end();
-  return coasts ? Reaction::kCoast : Reaction::kManual;
+  return kNone;
 }
 
 TEST_CASE("of several losses the one with the most careful reaction counts") {
   using enum Reaction;
   constexpr std::array kActions{kHold, kCoast, kManual, kLoiter, kReturn};
   constexpr std::array kStops{kHold, kLoiter, kReturn};
-  constexpr std::array kParts{kLeaderFresh, kOnStation,   kGcsHeard,
-                              kBatteryGood, kInsideFence, kCoastRunning};
+  constexpr std::array kParts{kLeaderFresh, kOnStation,    kGcsHeard,   kBatteryGood,
+                              kInsideFence, kCoastRunning, kSticksFresh};
   std::uint64_t wrong = 0, compared = 0;
   const auto compare = [&](const Choices& choices) {
     for (unsigned lost = 0; lost < 1U << kParts.size(); ++lost) {
@@ -331,7 +338,7 @@ TEST_CASE("of several losses the one with the most careful reaction counts") {
     }
   }
   CHECK(wrong == 0);
-  CHECK(compared == 5 * 5 * 3 * 3 * 3 * 64 * kStates);
+  CHECK(compared == 5 * 5 * 3 * 3 * 3 * 128 * kStates);
 }
 
 TEST_CASE("a boat that lost its navigation and its leader can be driven home") {

@@ -8,13 +8,12 @@
 //
 // When the upper bound falls, either a message had less latency than all before it, or their clock
 // was set ahead or runs fast. So the lower bound falls by the same amount until an answer confirms
-// it. The same is true when messages that were late come in time again: until an answer to a later
-// request, the least possible offset is lower by what their lateness has fallen, and that answer
-// replaces all before it. An answer counts for at most the next 32 answers, because their clock may
+// it. The same is possible when messages that were late come in time again: the least possible
+// offset is then lower by what their lateness has fallen, until an answer to a later request shows
+// that this is too much. An answer counts for at most the next 32 answers, because their clock may
 // have been set back and ahead again. After a minute without answers the distance between the
-// bounds stops growing:
-// the greatest possible latency of the promptest message remains known, and the stamps are judged
-// like those of a sender that never answers.
+// bounds stops growing: the greatest possible latency of the promptest message remains known, and
+// the stamps are judged like those of a sender that never answers.
 #pragma once
 
 #include <cstdint>
@@ -60,7 +59,7 @@ class ClockOffset {
   /// Takes the other clock's bound: messages by this one are as late as their stamps show. Ignored
   /// if TIMESYNC bounds this clock.
   void share(const ClockOffset& other) {
-    if (!was_answered()) upper_ = other.upper_;
+    if (!was_answered()) upper_us_ = other.upper_us_;
   }
 
   void reset() { *this = ClockOffset{}; }
@@ -70,17 +69,22 @@ class ClockOffset {
   static constexpr std::uint16_t kMinute_us = 6'000;  ///< possible drift in a minute
   static constexpr unsigned kShift = 10;
 
+  static std::uint16_t units(std::int64_t us);
   void widen(std::int64_t now_us);
   std::optional<std::int64_t> below_upper(std::uint32_t share) const;
 
+  static constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
+
+  bool is_heard() const { return upper_us_ != kUnknown; }
+
   std::int64_t widened_us_ = 0;
-  std::optional<std::int64_t> upper_;
+  std::int64_t upper_us_ = kUnknown;
   // How near the lower bound is to the upper one, kFarthest_us minus their distance; 0: unknown.
   std::uint32_t nearness_ = 0, next_ = 0;  ///< by the last 16 to 31 answers, by the last 0 to 15
-  // By how much messages came later than the promptest, in units of 2^kShift µs: the last one; the
-  // latest since an answer; by how much that fell, as when their clock was set ahead.
+  std::uint32_t fell_at_ = 0;              ///< our time, in units of 2^kShift µs
+  // By how much messages came later than the promptest, in these units: the last one; the latest
+  // since an answer; by how much that fell, as when their clock was set ahead.
   std::uint16_t late_ = 0, latest_ = 0, fell_ = 0;
-  std::uint32_t fell_at_ = 0;     ///< our time, in these units
   std::uint16_t drifted_us_ = 0;  ///< possible drift since the last answer, at most a minute's
   std::uint8_t answers_ = 0;
   bool disputed_ = false;
