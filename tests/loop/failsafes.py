@@ -34,8 +34,9 @@ DURATION_S, FIRST_S, LAST_S = 260.0, 20.0, 100.0
 FENCE_M, BATTERY_V, GCS_S = 48.0, 14.0, 3.0
 HOME_M, STAYS_M, BEYOND_M = 2.5, 2.5, 4.0
 SETTLES_S = 60.0
-#: A mode that began later than this before the end is not judged by where it leads.
-ARRIVES_S = 120.0
+#: A boat that was sent home later than this before the end need only be on its way, this fast
+#: after it has turned; one that stops then is not judged by how it stays.
+ARRIVES_S, TURNS_S, HOMEWARD_MPS = 120.0, 20.0, 0.3
 STILL = {flotilla.STATES.index(name) for name in ("DISARMED", "HOLD", "FAULT")}
 LOSSES = (
     "gcs",
@@ -189,16 +190,20 @@ def judge(drawn: Drawn, run: Run, states: Array, pushed: float) -> Iterator[str]
     for boat in map(int, np.flatnonzero(beyond_m > BEYOND_M)):
         yield f"boat {boat + 1} is {beyond_m[boat]:.1f} m beyond the fence under thrust"
     late = t_s > DURATION_S - SETTLES_S
-    # Followers of a leader that drifts in HOLD may reach the fence shortly before the end.
-    before = states[len(states) - round(ARRIVES_S / drawn.scenario.step_s)]
     for boat, name in enumerate(names):
-        if states[-1, boat] != before[boat]:
-            continue
-        if name == "RTL" and away_m[-1, boat] > HOME_M:
+        # Followers of a leader that drifts in HOLD may reach the fence shortly before the end.
+        others = np.flatnonzero(states[:, boat] != states[-1, boat])
+        since_s = DURATION_S - drawn.scenario.step_s * (others[-1] if others.size else 0)
+        farthest_m = HOME_M
+        if since_s < ARRIVES_S:
+            begun_m = away_m[np.searchsorted(t_s, DURATION_S - since_s) - 1, boat]
+            farthest_m = max(HOME_M, begun_m - HOMEWARD_MPS * max(since_s - TURNS_S, 0.0))
+        if name == "RTL" and away_m[-1, boat] > farthest_m:
             yield f"boat {boat + 1} in RTL ends {away_m[-1, boat]:.1f} m from home"
         roams_m = np.hypot(*(eta[late, boat] - eta[-1, boat]).T).max()
         paused = drawn.loss == "pause" and boat + 1 == drawn.boat
-        if (name == "LOITER" or paused) and roams_m > 2 * STAYS_M:
+        stays = (name == "LOITER" and since_s >= ARRIVES_S) or paused
+        if stays and roams_m > 2 * STAYS_M:
             yield f"boat {boat + 1} in {name} roams {roams_m:.1f} m"
 
 
