@@ -350,7 +350,8 @@ void Boat<S>::steer(std::int64_t now_us) {
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
   range_.collect();
-  range_.collect(law_output_.tau.X + law_output_.tau.N);  // NaN if one of them is
+  range_.collect(law_output_.tau.X);
+  range_.collect(law_output_.tau.N);
   // After an overflow the thrust may be wrong. The next tick's conditions lead to FAULT.
   if (range_.has_overflowed()) thrust_ = thrusters_.step(false, desired, dt);
 }

@@ -259,8 +259,8 @@ struct Response {
   Conditions lost = 0;
 };
 
-/// What becomes of a choice: only a boat behind a leader can coast, or hand over to fresh sticks by
-/// itself; a boat in COAST coasts on.
+/// Applies a choice. Only a boat behind a leader can coast, or hand over to fresh sticks by itself;
+/// a boat in COAST coasts on.
 constexpr Response effect_of(const Choices& choices, Reaction choice, State state, Conditions met,
                              Conditions lost) {
   using enum Reaction;

@@ -105,7 +105,7 @@ def _worst_of(folder: Path, length_m: float | None) -> dict[str, Any]:
 
 
 def _metres(text: str) -> float:
-    """Parse a length in metres; raise an argparse error if it is none."""
+    """Parse a length in metres; raise an argparse error if it is not a length."""
     with suppress(ValueError):
         if 0.0 < float(text) < inf:
             return float(text)

@@ -69,7 +69,7 @@ void RcInput::judge(std::uint8_t component, const link::SysStatus& status) {
   }
 }
 
-// Not inlined: on a microcontroller, seven copies would take 150 bytes.
+// Not inlined, and take_request() neither: saves 64 bytes of a microcontroller's flash.
 [[gnu::noinline]] bool RcInput::is_heard(std::int64_t now_us) const {
   return now_us - heard_us_ < kSilent_us;
 }

@@ -310,7 +310,8 @@ bool Vehicle::is_barred(Request request) const {
   return drives && pilot_holds();
 }
 
-/// Judges AUTO by the way from the boat's present place to the item that is chosen now.
+/// Refuses what a pilot's switch bars. Judges AUTO by the way from the boat's present place to the
+/// item that is chosen now.
 Supervisor::Decision Vehicle::judge(Request request) {
   if (is_barred(request)) return {false, false, 0};
   if (request == Request::kAuto && supervisor_.state() != State::kAuto) {
