@@ -12,6 +12,7 @@ from sil.certificate.sampled import Misled
 from sil.lockstep.metrics import SETTLED_M
 
 _LEAST = 0.001  # m, N: smaller effects are reported as this value
+_TEN_TIMES = -9.0  # margin below which a percentage means nothing to a reader
 _IN_SLOT_M = 0.2  # least limit of the permanent distance; a boat's own is FS_SLOT_M / 5, if more
 
 
@@ -143,6 +144,11 @@ def _thrust(case: Case) -> str:
     if need.margin == -math.inf:
         return (
             f"{name(case.boats)}: the slot needs reverse thrust, but the {side} propeller has none"
+        )
+    if need.margin < _TEN_TIMES:
+        return (
+            f"{name(case.boats)}: the slot needs more than ten times the {need.direction} thrust "
+            f"that the {side} propeller can give"
         )
     return (
         f"{name(case.boats)}: the slot needs {-100.0 * need.margin:.0f} % more {need.direction} "

@@ -108,14 +108,21 @@ def test_permanent_errors_behind_a_leader_at_rest_are_named(
     assert sentence.endswith(said) and "any law" not in sentence
 
 
-def test_weak_propellers_are_reported_before_other_faults(straight: Certificate) -> None:
+@pytest.mark.parametrize(
+    ("margin", "said"),
+    [
+        (-0.25, "25 % more reverse thrust than the starboard propeller can give"),
+        (-1231.0, "more than ten times the reverse thrust that the starboard propeller can give"),
+    ],
+)
+def test_weak_propellers_are_reported_before_other_faults(
+    straight: Certificate, margin: float, said: str
+) -> None:
     (leg,) = straight.legs
-    weak = replace(leg.cases[0].thrust, margin=-0.25, side="stbd", direction="reverse")
+    weak = replace(leg.cases[0].thrust, margin=margin, side="stbd", direction="reverse")
     cases = [replace(with_loop(straight, decay=-1.0).legs[0].cases[0], thrust=weak)]
     wrong = replace(straight, legs=[replace(leg, cases=cases)])
-    assert "25 % more reverse thrust than the starboard propeller can give" in verdict.sentence(
-        wrong
-    )
+    assert said in verdict.sentence(wrong)
 
 
 @pytest.mark.parametrize(
