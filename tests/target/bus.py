@@ -33,7 +33,8 @@ def type_of(can_id: int) -> tuple[bool, int, int]:
 
 
 def of_type(frames: Iterable[tuple[int, bytes]], type_id: int, service: bool = False) -> Frames:
-    return [frame for frame in frames if type_of(frame[0])[:2] == (service, type_id)]
+    field, wanted = (0xFF0080, type_id << 16 | 0x80) if service else (0xFFFF80, type_id << 8)
+    return [frame for frame in frames if frame[0] & field == wanted]
 
 
 def transfers(frames: Iterable[tuple[int, bytes]]) -> list[Transfer]:
@@ -126,9 +127,12 @@ class Esc:
     next_status_us: int = 0
     next_beat_us: int = 0
 
-    def frames(self, now_us: int) -> Iterator[tuple[int, bytes]]:
-        if not self.on:
-            return
+    def frames(self, now_us: int) -> Frames:
+        if not self.on or (now_us < self.next_status_us and now_us < self.next_beat_us):
+            return []
+        return list(self._due(now_us))
+
+    def _due(self, now_us: int) -> Iterator[tuple[int, bytes]]:
         if now_us >= self.next_status_us:
             self.next_status_us = now_us + 100_000
             self.sent += 1

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pytest
 
-from tests.target.bus import Esc, esc_status
+from tests.target.bus import Esc, Frames, esc_status
 from tests.target.sea import Sea, texts
 
 
@@ -19,16 +18,15 @@ class Willful(Esc):
     rpm: int = 0
     power_pct: int = 0
 
-    def frames(self, now_us: int) -> Iterator[tuple[int, bytes]]:
+    def frames(self, now_us: int) -> Frames:
         due = now_us >= self.next_status_us
-        frames = list(super().frames(now_us))
+        frames = super().frames(now_us)
         if not due:
-            yield from frames
-            return
+            return frames
         said: dict[str, float] = {"rpm": self.rpm, "power_rating_pct": self.power_pct}
         said |= {"voltage": float("nan"), "current": float("nan"), "temperature": float("nan")}
         status = esc_status(self.node, self.index, self.sent % 32, **said)
-        yield from status + frames[len(status) :]
+        return status + frames[len(status) :]
 
 
 def bus() -> tuple[Sea, Willful]:

@@ -22,7 +22,8 @@ EXACT = (0, 0.0)
 # Each boat of a diamond: the agent it follows (0 the virtual leader), north, east.
 DIAMOND = ((0, 0.0, 0.0), (1, -2.0, 2.0), (1, -2.0, -2.0), (2, -2.0, -2.0))
 # Surge and yaw of a small hull: its mass, damping, greatest thrust and lever arm of a propeller.
-_MASS, _DAMPING, _THRUST_N, _ARM_M = (1.0, 0.35), (3.4, 0.86), 10.0, 0.25
+_MASS, _DAMPING = np.array((1.0, 0.35)), np.array((3.4, 0.86))
+_THRUST_N, _ARM_M = 10.0, 0.25
 
 
 class Twins:
@@ -128,8 +129,9 @@ class Twins:
         force = _THRUST_N * np.column_stack(
             (command.sum(axis=1), _ARM_M * (command[:, 0] - command[:, 1]))
         )
-        slow = self.nu[np.ix_(self.boats, (0, 2))]
-        self.nu[np.ix_(self.boats, (0, 2))] += h * (force - np.array(_DAMPING) * slow) / _MASS
+        boats = self.nu[self.boats]
+        boats[:, ::2] += h * (force - _DAMPING * boats[:, ::2]) / _MASS
+        self.nu[self.boats] = boats
         c, s = np.cos(self.eta[:, 2]), np.sin(self.eta[:, 2])
         u, v, r = self.nu.T
         self.eta += h * np.column_stack((c * u - s * v, s * u + c * v, r))
