@@ -67,4 +67,3 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_collection_finish() -> None:
     # keep the collector from scanning thousands of tests and their modules again and again
     gc.freeze()
-    gc.set_threshold(100_000)

@@ -4,7 +4,7 @@
 
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
-#include "core/estimation/latency.hpp"
+#include "core/estimation/latency_params.hpp"
 #include "core/estimation/observer.hpp"
 #include "core/estimation/plausibility.hpp"
 #include "core/reference.hpp"
