@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
 #include "linux/config/config_values.hpp"
@@ -24,14 +25,18 @@ std::vector<std::string> words_of(std::string line) {
   return words;
 }
 
-void read_line(const std::vector<std::string>& words, ParameterOverrides& param) {
+void read_line(const std::vector<std::string>& words, ParameterOverrides& listed) {
   if (words.empty()) return;
   if (words.size() != kPlain && words.size() != kGroundControl) {
     throw ValueError("neither NAME,VALUE nor QGroundControl's five columns");
   }
   const std::size_t at = words.size() == kPlain ? 0 : 2;
   const std::string &name = words[at], &value = words[at + 1];
-  param[name] = parameter_value(name, number<double>(value), value);
+  const float set = parameter_value(name, number<double>(value), value);
+  const auto [before, is_new] = listed.emplace(name, set);
+  if (!is_new && before->second != set) {
+    throw ValueError(name + " has another value above: keep one of the two lines");
+  }
 }
 
 }  // namespace
@@ -41,16 +46,20 @@ void read_parameter_list(const std::string& file, ParameterOverrides& param) {
   if (content.error != 0) {
     throw ConfigError(file + ": cannot be read: " + std::strerror(content.error));
   }
-  std::istringstream lines(content.text);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // editors on Windows write it
+  const bool marked = content.text.starts_with(kByteOrderMark);
+  std::istringstream lines(content.text.substr(marked ? kByteOrderMark.size() : 0));
+  ParameterOverrides listed;
   int count = 0;
   for (std::string line; std::getline(lines, line);) {
     ++count;
     try {
-      read_line(words_of(line), param);
+      read_line(words_of(line), listed);
     } catch (const ValueError& error) {
       throw ConfigError(file + ":" + std::to_string(count) + ": " + error.what());
     }
   }
+  for (const auto& [name, value] : listed) param[name] = value;
 }
 
 }  // namespace flotilla::target

@@ -119,9 +119,10 @@ struct ParameterFile {
 TEST_CASE("a parameter file is read in the format of each ground station") {
   const char* link = "--mavlink=udpin:127.0.0.1:14550";
   const char* texts[] = {
-      "# Otter\nLAW_KX,0.25\nTHR_ARM,0.395\n",                   // Mission Planner
-      "LAW_KX           0.250000 # slow\r\nTHR_ARM  0.395\r\n",  // MAVProxy
-      "# v\n\n1\t1\tLAW_KX\t0.25\t9\n1\t1\tTHR_ARM\t0.395\t9",   // QGroundControl
+      "# Otter\nLAW_KX,0.25\nTHR_ARM,0.395\n",                        // Mission Planner
+      "LAW_KX           0.250000 # slow\r\nTHR_ARM  0.395\r\n",       // MAVProxy
+      "\xEF\xBB\xBFLAW_KX,0.25\r\nTHR_ARM,0.395\r\nLAW_KX,0.25\r\n",  // edited on Windows
+      "# v\n\n1\t1\tLAW_KX\t0.25\t9\n1\t1\tTHR_ARM\t0.395\t9",        // QGroundControl
   };
   for (const std::string text : texts) {
     CAPTURE(text);
@@ -148,6 +149,7 @@ TEST_CASE("a mistake in a parameter file is reported with its line") {
       {"LAW_KX,0.25\nLAW_K,1\n", ":2: unknown parameter \"LAW_K\""},
       {"LAW_KX,3\n", ":1: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)"},
       {"\nLAW_KX,much\n", ":2: LAW_KX = much"},
+      {"LAW_KX,0.25\nTHR_ARM,0.395\nLAW_KX,0.3\n", ":3: LAW_KX has another value above"},
       {"LAW_KX\n", ":1: neither NAME,VALUE nor QGroundControl's five columns"},
       {"1\t1\tLAW_KX\t0.25\n", ":1: neither NAME,VALUE nor QGroundControl's five columns"},
   };
