@@ -59,6 +59,7 @@ _ACTIONS = (
 )
 _AT_ONCE = ("stop", "hold", "disarm")  # never refused for an option too many
 _DEFAULT, _GROUND = "udpin:127.0.0.1:14550", "udpout:127.0.0.1:14551"
+_VEHICLE = 250  # the fleet's system id
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -96,16 +97,13 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         metavar=("N", "E"),
         help="go: metres north and east of the leader",
     )
-    parser.add_argument(
-        "--ground", metavar="LINK", default=_GROUND, help=f"serve: the ground station ({_GROUND})"
-    )
+    parser.add_argument("--ground", metavar="LINK", help=f"serve: the ground station ({_GROUND})")
     parser.add_argument(
         "--as",
         type=_system,
-        default=250,
         metavar="N",
         dest="vehicle",
-        help="serve: system id of the fleet's vehicle (250)",
+        help=f"serve: system id of the fleet's vehicle ({_VEHICLE})",
     )
 
 
@@ -143,10 +141,11 @@ def _serve(station: "Station", options: argparse.Namespace, console: "Console") 
     from sil.wire.signing import Signer, read_key
 
     signer = None if options.key is None else Signer(read_key(options.key), LINK)
-    with closing(end_at(options.ground, "--ground")) as end:
+    ground, system = options.ground or _GROUND, options.vehicle or _VEHICLE
+    with closing(end_at(ground, "--ground")) as end:
         tell = partial(show, console)
-        vehicle = FleetVehicle(station, end, options.vehicle, signer, tell)
-        tell(f"the fleet is vehicle {options.vehicle} at {options.ground}; Ctrl-C ends it")
+        vehicle = FleetVehicle(station, end, system, signer, tell)
+        tell(f"the fleet is vehicle {system} at {ground}; Ctrl-C ends it")
         while True:
             vehicle.serve(for_s=3600.0)
 
@@ -162,6 +161,8 @@ def _wish(options: argparse.Namespace) -> "Wish":
         ("--spacing", options.spacing is not None, "form"),
         ("--fixed", options.fixed, "form"),
         ("--local", options.local is not None, "go"),
+        ("--ground", options.ground is not None, "serve"),
+        ("--as", options.vehicle is not None, "serve"),
     ):
         if given and action not in (of, *_AT_ONCE):
             raise ValueError(f"{option} belongs to {of}, not to {action}")

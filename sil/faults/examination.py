@@ -34,7 +34,7 @@ def sail(out: Path, only: str | None, console: Console, *, live: bool) -> int:
 
 
 def soak_for(hours: float, seed: int, console: Console) -> int:
-    """Sail random faults for `hours`; exit status 1 if a boat did not recover."""
+    """Sail random faults for `hours`; exit status 1 without a fault, or if one lasts."""
     if not hours > 0.0:
         raise ValueError(f"--soak {hours:g}: must be positive")
     bar = rich.progress.Progress(console=console)
@@ -52,5 +52,8 @@ def soak_for(hours: float, seed: int, console: Console) -> int:
         console.print(f"[bold red]{wrong}")
     console.print(f"seed {seed}, digest {soaked.digest}")
     failed = len(soaked.wrong)
-    print(f"{soaked.faults.total() - failed} passed, {failed} failed")
+    if not soaked.faults.total():
+        console.print(f"[bold red]no fault happened in {hours:g} h: soak for longer")
+        failed = 1
+    print(f"{max(soaked.faults.total() - failed, 0)} passed, {failed} failed")
     return int(failed > 0)

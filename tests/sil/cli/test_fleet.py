@@ -35,6 +35,8 @@ def no_link(monkeypatch: pytest.MonkeyPatch) -> None:
         (["arm", "--fixed"], "--fixed belongs to form, not to arm"),
         (["loiter", "--local", "1", "2"], "--local belongs to go, not to loiter"),
         (["go", "--local", "nan", "2"], "--local: both must be finite"),
+        (["status", "--as", "7"], "--as belongs to serve, not to status"),
+        (["arm", "--ground", "udpin:127.0.0.1:1"], "--ground belongs to serve, not to arm"),
     ],
 )
 def test_a_mistake_is_told_at_once(
@@ -56,5 +58,6 @@ def test_a_mistake_is_told_at_once(
 def test_an_option_too_many_does_not_keep_a_fleet_from_stopping(action: str) -> None:
     parser = argparse.ArgumentParser()
     fleet_command.add_to(parser)
-    options = parser.parse_args([action, "--spacing", "3", "--fixed", "--local", "1", "2"])
+    others = ["--spacing", "3", "--fixed", "--local", "1", "2", "--as", "7"]
+    options = parser.parse_args([action, *others])
     assert fleet_command._wish(options).action == action

@@ -3,6 +3,7 @@
 
 import pytest
 
+from sil.cli.main import main
 from sil.faults import soak
 from sil.faults.soak import Soaked
 from sil.faults.watch import STATES
@@ -21,6 +22,12 @@ def test_every_fault_is_recovered_from_and_a_seed_makes_the_history() -> None:
     assert one.faults.total() > 10
     assert (one.digest, one.faults, one.slowest_s) == (again.digest, again.faults, again.slowest_s)
     assert one.digest != other.digest
+
+
+def test_a_soak_too_short_for_a_fault_fails(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["faults", "--soak", "1e-5"]) == 1
+    said = capsys.readouterr().out
+    assert "no fault happened in 1e-05 h" in said and said.endswith("0 passed, 1 failed\n")
 
 
 def test_a_fault_that_is_not_recovered_from_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
