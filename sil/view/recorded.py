@@ -30,7 +30,8 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
         name, digest = str(summary["scenario"]), summary["digest"]
         released = summary.get("release_unix_s")
         release_unix_s = None if released is None else float(released)
-        with np.load(folder / "trace.npz") as arrays:
+        # numpy would leave a damaged file open
+        with (folder / "trace.npz").open("rb") as stream, np.load(stream) as arrays:
             trace = {key: arrays[key] for key in ("t_s", "eta", "nu", "error", "thrust")}
         if not trace["t_s"].size:
             raise ValueError("its trace is empty")

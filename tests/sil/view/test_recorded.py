@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Histories of runs: the truth from the trace, the boats' messages from the recording."""
 
+import gc
 import json
 import shutil
 from pathlib import Path
@@ -142,6 +143,15 @@ def test_an_empty_trace_is_reported(lost: Path, tmp_path: Path) -> None:
     (tmp_path / "run" / "trace.npz").write_bytes(b"")
     with pytest.raises(ValueError, match="run is not the folder of a run: No data left in file"):
         history_of_run(tmp_path / "run")
+
+
+def test_a_trace_that_was_cut_off_is_refused_and_closed(lost: Path, tmp_path: Path) -> None:
+    shutil.copytree(lost, tmp_path / "run")
+    trace = tmp_path / "run" / "trace.npz"
+    trace.write_bytes(trace.read_bytes()[:200])
+    with pytest.raises(ValueError, match="run is not the folder of a run: File is not a zip file"):
+        history_of_run(tmp_path / "run")
+    gc.collect()  # would warn of an open file
 
 
 def test_a_recording_that_was_cut_off_has_no_times_and_is_refused(
