@@ -55,25 +55,8 @@ class Hull:
     def advance(self, X: float, N: float, h: float) -> None:
         """Integrate by the midpoint method with constant wrench."""
         X, N = X + self.push[0], N + self.push[1]
-        q, h2 = self.q, h / 2
-        a, b, c, d, e, f = self.rates(q, X, N)
-        half = [
-            q[0] + h2 * a,
-            q[1] + h2 * b,
-            q[2] + h2 * c,
-            q[3] + h2 * d,
-            q[4] + h2 * e,
-            q[5] + h2 * f,
-        ]
-        a, b, c, d, e, f = self.rates(half, X, N)
-        self.q = [
-            q[0] + h * a,
-            q[1] + h * b,
-            q[2] + h * c,
-            q[3] + h * d,
-            q[4] + h * e,
-            q[5] + h * f,
-        ]
+        half = [x + h / 2 * k for x, k in zip(self.q, self.rates(self.q, X, N), strict=True)]
+        self.q = [x + h * k for x, k in zip(self.q, self.rates(half, X, N), strict=True)]
 
     @property
     def seen(self) -> Course:
