@@ -10,6 +10,7 @@ With the hull of another preset, at its cruise, plan and shapes scale with the h
 """
 
 import argparse
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import get_args
@@ -296,7 +297,7 @@ def main() -> None:
     parser.add_argument("--hull", choices=presets.names(), default="")
     parser.add_argument("--boats", nargs="+", type=int, default=[4, 6, 8, 9, 12, 16, 20])
     given = parser.parse_args()
-    runs = max(1, round(given.changes / EACH / len(given.boats)))
+    runs = max(1, math.ceil(given.changes / EACH / len(given.boats)))
     names = ("boats", "shape", "spacing", "longest way", "nearest two", "arrived", "asked")
     print("|", " | ".join([*names, "later", "off", "idle"]), "|")
     changes = []

@@ -195,6 +195,11 @@ void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::
   const bool sailed = peer.heard && peer.epoch != 0 && !peer.stopped;
   peers_.take(rank, beacon, ledger_, now_us);
   if (sailed && peer.stopped) note_stop(ledger_.current()->members[rank].system, now_us);
+  // It missed this boat's beacons, perhaps after a restart, and waits for a leader that is none.
+  if (peer.hears == rank_in(ledger_.current(), system_) && !succession_.leads() && repeats_ == 0) {
+    repeats_ = kRepeats_us.size();
+    beacon_us_ = now_us;
+  }
   const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
   // After the leader's stop, the member's first beacon no longer names a leader.
   const bool ends = relayed && beacon.plan_id == 0;

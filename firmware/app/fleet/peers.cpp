@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kAhead_ms = 10'000;
 // Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
-constexpr int kNumbersBack = 20;  // about as many beacons as a boat sends in kOvertaken_ds at most
+constexpr int kNumbersBack = 25;  // more beacons than a boat sends in kOvertaken_ds
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
@@ -57,14 +57,13 @@ bool FleetPeers::hear(std::size_t rank, const link::Received& received, bool onl
 }
 
 /// Records the beacon's number; false if a newer one arrived first, on a faster link. A boat that
-/// has restarted has no table, and begins its numbers anew, far from its last one.
+/// has restarted begins its numbers anew, in most cases far from its last one.
 bool FleetPeers::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us) {
   const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
   const std::uint16_t now_ds = deciseconds(now_us);
   const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
-  const bool overtaken = heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0;
-  const bool restarted = beacon.epoch == 0 && ahead <= -kNumbersBack;
-  if (overtaken && !restarted) return false;
+  const bool overtaken = -kNumbersBack < ahead && ahead < 0;
+  if (heard.component != 0 && since_ds < kOvertaken_ds && overtaken) return false;
   heard.sequence = beacon.sequence;
   heard.beacon_ds = now_ds;
   return true;

@@ -113,9 +113,32 @@ TEST_CASE(
     if (is_lost) harbour.cut_off(0);
     harbour.sail(0.3);
     harbour.reach(0);
-    harbour.sail(is_lost ? 3.9 : 1.2);
+    harbour.sail(1.2);
     CHECK(harbour.boats[1].state == State::kAuto);
   }
+}
+
+TEST_CASE("a failed leader repeats its beacon while a member still reports that it leads") {
+  Harbour harbour = under_way();
+  harbour.boats[0].state = State::kDisarmed;
+  harbour.boats[1].deaf_to = 1;
+  const auto bytes_in_two_seconds = [&] {
+    const std::size_t before = harbour.boats[0].bytes;
+    for (int tenth = 0; tenth < 20; ++tenth) {
+      // Boat 2 receives its other messages.
+      harbour.hear(1, link::Attitude{}, {1, 1});
+      harbour.sail(0.1);
+    }
+    return harbour.boats[0].bytes - before;
+  };
+  harbour.sail(0.6);  // the usual repetitions of a change
+  CHECK(bytes_in_two_seconds() >= 6 * 25);
+  CHECK(harbour.boats[1].state == State::kFormation);
+  harbour.boats[1].deaf_to = 0;
+  harbour.sail(1.5);
+  CHECK(harbour.boats[1].state == State::kAuto);
+  harbour.sail(3);
+  CHECK(bytes_in_two_seconds() <= 2 * 25);
 }
 
 TEST_CASE("a late beacon from before a boat got its table changes nothing") {
