@@ -76,6 +76,9 @@ def main(given: Sequence[str] | None = None) -> int:
     if not given or given[0] in ("-h", "--help"):
         print(_overview())
         return 0 if given else 2
+    if given[0] == "--version":
+        print(f"flotilla {import_module('flotilla').__version__}")
+        return 0
     verb, *others = given
     try:
         if verb in _TOOLS:

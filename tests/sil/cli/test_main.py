@@ -4,6 +4,7 @@
 import errno
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -100,6 +101,11 @@ def test_a_run_in_which_boats_come_too_near_ends_with_status_1(
     short = ["--set", "duration_s=10", "--out", str(tmp_path)]
     assert main(["run", "diamond_frame1", *short]) == 1
     assert "two boats came nearer than a hull's length" in capsys.readouterr().out
+
+
+def test_version_is_that_of_the_python_package(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"flotilla {metadata.version('flotilla-usv')}\n"
 
 
 def test_help_lists_every_command_and_imports_none_of_them() -> None:
