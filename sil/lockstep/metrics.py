@@ -54,6 +54,7 @@ class Summary(TypedDict):
     boats: list[BoatSummary]
     min_separation_m: float | None
     hull_m: float  # length of the longest hull
+    voyage: NotRequired[bool]  # the only boat measured its hull: its errors mean nothing
 
 
 def formation_error(

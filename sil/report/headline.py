@@ -4,9 +4,10 @@
 import math
 from typing import Literal, NamedTuple
 
-from sil.lockstep.metrics import BoatSummary, Summary
+from sil.lockstep.metrics import SETTLED_M, BoatSummary, Summary
 
 _COLOURS = {"good": "green", "fair": "yellow", "bad": "red"}
+IN_SLOT_M = 0.2
 _SAILS = ("FORMATION", "COAST", "AUTO", "GUIDED", "LOITER", "RTL")
 
 
@@ -17,7 +18,8 @@ class Verdict(NamedTuple):
     """A line of text, and its level.
 
     "bad": two boats came too near, a boat was in a state in which the law does not drive it, or its
-    error was not finite. "fair": a boat does not stay in its slot to the end.
+    error was not finite. "fair": a boat was farther than `IN_SLOT_M` from its slot in the last
+    third of the run.
     """
 
     level: Level
@@ -32,16 +34,25 @@ class Verdict(NamedTuple):
 def of_run(summary: Summary) -> Verdict:
     """The verdict of a run.
 
-    The time after which the boats stay in their slots is the longest settling time. Two boats are
-    too near if their reference points come nearer than a hull's length.
+    If all boats settle before the last third, the longest settling time is told; else the number
+    of boats that stay within `IN_SLOT_M` of their slots in it. Two boats are too near if their
+    reference points come nearer than a hull's length.
     """
     boats = summary["boats"]
     wrong = [*_states(boats), *_separation(summary)]
-    settled = [boat["settling_time_s"] for boat in boats if boat["settling_time_s"] is not None]
-    in_slots = len(settled) == len(boats)
-    parts = [f"{len(settled)} of {len(boats)} stay within 0.05 m of their slots"]
-    if in_slots:
-        parts[0] += f" from {max(settled):.0f} s on"
+    if summary.get("voyage"):
+        text = f"the boat measured its hull, without a slot, for {summary['duration_s']:.0f} s"
+        return Verdict("bad" if wrong else "good", "; ".join([text, *wrong]))
+    early_s = 2.0 / 3.0 * summary["duration_s"]
+    settling = [boat["settling_time_s"] for boat in boats]
+    settled = [s for s in settling if s is not None and s <= early_s]
+    if len(settled) == len(boats):
+        near_m, since = SETTLED_M, f" from {max(settled):.0f} s on"
+    else:
+        near_m, since = IN_SLOT_M, ""
+    near = [boat for boat in boats if boat["max_error_m"] <= near_m]
+    in_slots = len(near) == len(boats)
+    parts = [f"{len(near)} of {len(boats)} stay within {near_m:g} m of their slots{since}"]
     worst = max(boats, key=lambda boat: _size(boat["max_error_m"]))
     if math.isfinite(worst["max_error_m"]):
         parts.append(f"worst {length(worst['max_error_m'])} in the last third")

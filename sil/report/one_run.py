@@ -156,6 +156,8 @@ def _finish(
         "min_separation_m": separation_m,
         "hull_m": max(boat.length_m for boat in afloat),
     }
+    if scenario.leader.voyage_room_m is not None:
+        summary["voyage"] = True
     recorded = out / "recording.bin" if result.digest is not None else None
     said = said_of(out, trace, recorded, release_unix_s)
     if said is not None:
@@ -166,7 +168,10 @@ def _finish(
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     save(out, summary, trace)
-    run_report.write(out, summary, trace, command, drawing.pictures(), replayed)
+    pictures = drawing.pictures()
+    if summary.get("voyage"):
+        pictures.pop("errors", None)
+    run_report.write(out, summary, trace, command, pictures, replayed)
     plain = partial(console.print, soft_wrap=True, markup=False)
     console.print(headline.of_run(summary).marked, soft_wrap=True)
     console.print(run_report.table(summary))

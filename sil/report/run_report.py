@@ -56,8 +56,9 @@ def write(
     """Write formation.png, errors.png, thrust.png and report.html into an existing directory.
 
     `trace`: arrays as in trace.npz. `command`: the shell command that repeats the run. `pictures`:
-    as `sil.report.drawing.draw` makes them. `told`: the run's history from `sil.view.history`, for
-    the replay; by default the history from the trace alone. Each file appears whole or not at all.
+    as `sil.report.drawing.draw` makes them; a voyage has no errors. `told`: the run's history from
+    `sil.view.history`, for the replay; by default the history from the trace alone. Each file
+    appears whole or not at all.
     """
     for stem, picture in pictures.items():
         files.replace(directory / f"{stem}.png", picture)
@@ -73,7 +74,7 @@ def table(summary: Summary) -> Table:
     for column in COLUMNS:
         grid.add_column(column, justify="right", max_width=10)
     for boat in summary["boats"]:
-        grid.add_row(*_cells(boat))
+        grid.add_row(*_cells(boat, slots=not summary.get("voyage")))
     return grid
 
 
@@ -98,7 +99,7 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
         digest=summary["digest"] or "none: a live run",
         command=escape(command),
         header="".join(f"<th>{escape(column)}</th>" for column in [*COLUMNS, "states"]),
-        rows="".join(_row(boat) for boat in summary["boats"]),
+        rows="".join(_row(boat, slots=not summary.get("voyage")) for boat in summary["boats"]),
     )
 
 
@@ -109,17 +110,19 @@ def _picture(stem: str, png: bytes) -> str:
     return f'<h2>{title}</h2>\n<div class="wide picture">{image}</div>\n'
 
 
-def _row(boat: BoatSummary) -> str:
+def _row(boat: BoatSummary, *, slots: bool) -> str:
     states = ", ".join(
         f"{name} {time:.1f} s" for name, time in boat["states"].items() if time > 0.0
     )
     if "closing_m" in boat:
         states += f"; closing, {boat['closing_m']:.1f} m"
-    cells = "".join(f"<td>{escape(cell)}</td>" for cell in [*_cells(boat), states])
+    cells = "".join(f"<td>{escape(cell)}</td>" for cell in [*_cells(boat, slots=slots), states])
     return f'<tr style="--boat: {colour_of(boat["id"])}">{cells}</tr>\n'
 
 
-def _cells(boat: BoatSummary) -> list[str]:
+def _cells(boat: BoatSummary, *, slots: bool) -> list[str]:
+    if not slots:
+        return [str(boat["id"]), *["–"] * (len(COLUMNS) - 2), f"{boat['thrust_rms_N']:.2f}"]
     settling, final = boat["settling_time_s"], boat["final_error"]
     return [
         str(boat["id"]),

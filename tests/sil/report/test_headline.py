@@ -56,10 +56,27 @@ def test_single_boat_has_no_neighbour() -> None:
     assert found.text == f"{settled}; worst 0.2 mm in the last third"
 
 
+def test_boats_that_settle_late_are_judged_by_their_errors_in_the_last_third() -> None:
+    late = boat(2, settling_time_s=290.0, max_error_m=0.14)
+    found = headline.of_run(summary(boat(1), late))
+    assert found.level == "good"
+    assert found.text.startswith("2 of 2 stay within 0.2 m of their slots; worst 0.14 m in the")
+
+
 def test_boat_that_does_not_stay_in_its_slot_is_counted_out() -> None:
     found = headline.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=0.213)))
     assert found.level == "fair"
-    assert found.text.startswith("1 of 2 stay within 0.05 m of their slots; worst 0.21 m")
+    assert found.text.startswith("1 of 2 stay within 0.2 m of their slots; worst 0.21 m")
+
+
+def test_a_boat_that_measures_its_hull_is_not_judged_by_a_slot() -> None:
+    alone = boat(1, settling_time_s=None, max_error_m=49.3, states={"AUTO": 300.0})
+    told = summary(alone, separation_m=None)
+    told["voyage"] = True
+    found = headline.of_run(told)
+    assert found == ("good", "the boat measured its hull, without a slot, for 300 s")
+    alone["states"] = {"AUTO": 200.0, "HOLD": 100.0}
+    assert headline.of_run(told).level == "bad"
 
 
 @pytest.mark.parametrize(
