@@ -16,6 +16,7 @@ from sil.identify.voyage_log import SAMPLE_S, Array, BadLogError, VoyageLog
 _STEP = round(1.0 / SAMPLE_S)
 _SURE = 4.0  # standard errors
 _LEAST_COMMAND = 0.05
+_APART = 0.1  # of the sum's deviation: a smaller one of the difference cannot turn the boat
 
 
 @dataclass(frozen=True)
@@ -63,8 +64,15 @@ def find(logs: Sequence[VoyageLog]) -> Wiring:
     surge = _standard_errors(np.vstack([a for a, _ in rows]))
     yaw = _standard_errors(np.vstack([b for _, b in rows]))
     if max(abs(surge[0]), abs(surge[1])) < _SURE or min(abs(yaw[0]), abs(yaw[1])) < _SURE:
+        names = ", ".join(log.name for log in logs)
+        both = np.vstack([log.commands for log in logs])
+        if np.nanstd(both[:, 0] - both[:, 1]) < _APART * np.nanstd(both.sum(axis=1)):
+            raise BadLogError(
+                f"{names}: both propellers always get nearly the same command, so nobody can tell "
+                "them apart. Add a log of the voyage, or of turns to both sides."
+            )
         raise BadLogError(
-            f"{', '.join(log.name for log in logs)}: the boat does not answer its propellers. "
+            f"{names}: the boat does not answer its propellers. "
             "Check that commands and motion are of the same boat and time, in the units that "
             "their columns name, and that the log has turns and straights."
         )

@@ -45,6 +45,14 @@ def test_commands_of_another_boat_are_refused() -> None:
         propeller_signs.find([foreign])
 
 
+def test_a_log_of_straights_alone_is_told_to_need_turns() -> None:
+    rng = np.random.default_rng(6)
+    ahead = levels(rng, 120.0).mean(axis=1)
+    steered = rng.normal(0.0, 0.01, (len(ahead), 2))  # to keep the course
+    with pytest.raises(BadLogError, match="nearly the same command.* turns to both sides"):
+        propeller_signs.find([sail(ahead[:, None] + steered, rng)])
+
+
 def test_a_sum_in_one_column_is_refused() -> None:
     rng = np.random.default_rng(4)
     log = sail(levels(rng, 120.0), rng)
