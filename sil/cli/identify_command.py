@@ -13,11 +13,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sil.common.out_folder import claim
+from sil.scenario.arguments import filled_path
 
 EXAMPLES = (
     "flotilla identify voyage.csv --mass 17 --length 1.2 --arm 0.28",
     "flotilla identify logs/*.tlog --mass 55 --length 2 --arm 0.4 --out out/otter",
 )
+
+# kg/m³, mass over the cube of the length: 2 to 13 for the preset hulls, about 5 for laden ships.
+_LIGHT, _HEAVY = 0.2, 150.0
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +36,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--out",
-        type=Path,
+        type=filled_path,
         default=Path("out/identify"),
         help="folder of the results (out/identify)",
     )
@@ -95,6 +99,13 @@ def _check_sizes(options: argparse.Namespace, surge_mass_kg: float) -> None:
                 f"--{option} {getattr(options, option):g}: {name} is from {least:.3g} to "
                 f"{greatest:.6g} {unit}; is the value in {unit}?"
             )
+    per_cube = options.mass / options.length**3
+    if not _LIGHT <= per_cube <= _HEAVY:
+        word = "heavy" if per_cube > _HEAVY else "light"
+        raise ValueError(
+            f"--mass {options.mass:g} is too {word} for --length {options.length:g}: "
+            "the mass is in kg, the length of the hull in m"
+        )
     if options.arm > options.length:
         raise ValueError(
             f"--arm {options.arm:g} is more than --length {options.length:g}: both are in metres, "

@@ -14,7 +14,7 @@ from sil.scenario.law import LAWS
 def add_to(command: argparse.ArgumentParser, out: str) -> None:
     """Add a scenario and its overrides; `out` describes the folder of the results."""
     command.add_argument("scenario", help="a name in sil/scenarios, or the path of a .toml file")
-    command.add_argument("--out", type=Path, metavar="DIR", help=out)
+    command.add_argument("--out", type=filled_path, metavar="DIR", help=out)
     command.add_argument(
         "--seed", type=int, metavar="N", help="seed of every random number (the scenario's)"
     )
@@ -48,6 +48,13 @@ def add_workers_to(command: argparse.ArgumentParser) -> None:
         metavar="N",
         help="number of parallel processes (number of CPUs)",
     )
+
+
+def filled_path(text: str) -> Path:
+    """Parse a path; an empty one, as of an unset variable of the shell, is not this folder."""
+    if text:
+        return Path(text)
+    raise argparse.ArgumentTypeError("it is empty; name a file or a folder")
 
 
 def count(text: str) -> int:

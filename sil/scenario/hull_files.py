@@ -14,14 +14,15 @@ _REAL32 = 9  # MAV_PARAM_TYPE
 def texts(name: str) -> dict[str, str]:
     """The files of a hull by suffix; ScenarioError as `presets.path_of`."""
     hull, path = presets.load(name), presets.path_of(name)
-    told = path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
-    values = presets.firmware(hull)
-    head = [
-        f"# {about(name)}",
-        f"# At {hull.cruise.speed_mps:g} m/s; made by tools/reference from {told.as_posix()},",
-        "# which has the source of each number and says which are estimates.",
-    ]
-    return of_values(values, head)
+    speed = f"# At {hull.cruise.speed_mps:g} m/s; made by"
+    if path.is_relative_to(ROOT):
+        made = [
+            f"{speed} tools/reference from {path.relative_to(ROOT).as_posix()},",
+            "# which has the source of each number and says which are estimates.",
+        ]
+    else:
+        made = [f"{speed} flotilla hulls from {path}"]
+    return of_values(presets.firmware(hull), [f"# {about(name)}", *made])
 
 
 def of_values(values: dict[str, float], head: list[str]) -> dict[str, str]:

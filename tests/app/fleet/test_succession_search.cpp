@@ -387,7 +387,7 @@ Found search(const Limits& limits, Bug bug) {
   return found;
 }
 
-/// FLOTILLA_SEARCH=wide takes minutes and gigabytes.
+/// FLOTILLA_SEARCH=wide takes some five minutes and 6 GB in the release build.
 bool is_wide() {
   const char* wish = std::getenv("FLOTILLA_SEARCH");
   return wish != nullptr && std::string_view(wish) == "wide";
@@ -417,14 +417,14 @@ TEST_CASE("no sequence of boat and radio failures leads to two leaders, or loses
   check({.boats = 3, .failures = 1, .deafs = 0, .reports = false, .last = 1});
   check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .last = 1, .states = 100'000});
   check({.boats = 3, .failures = 0, .deafs = 0, .splits = false, .first = 2});
-  check({.states = is_wide() ? 3'000'000U : 20'000U});
+  check({.states = is_wide() ? 20'000'000U : 20'000U});
   if (!is_wide()) return;
-  check({.boats = 3, .failures = 1, .deafs = 0, .last = 1, .states = 3'000'000});
-  check({.failures = 2, .deafs = 0, .splits = false, .last = 1, .states = 3'000'000});
+  check({.boats = 3, .failures = 2, .deafs = 0, .last = 1});
+  check({.boats = 3, .failures = 1, .deafs = 1, .last = 1});
+  check({.boats = 3, .failures = 1, .deafs = 0, .reports = false, .first = 2});
+  check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .first = 2});
+  check({.failures = 1, .deafs = 0, .splits = false, .last = 1});
   check({.failures = 1, .deafs = 0, .reports = false, .last = 1});
-  check({.failures = 2, .deafs = 0, .reports = false, .last = 1});
-  check({.failures = 1, .deafs = 1, .splits = false, .last = 1, .states = 3'000'000});
-  check({.boats = 3, .failures = 1, .deafs = 0, .splits = false, .first = 2, .states = 3'000'000});
 }
 
 TEST_CASE("the search finds mistakes that were built into the rule on purpose") {

@@ -51,6 +51,8 @@ def test_a_log_becomes_a_page_parameters_and_a_hull_for_scenarios(
         (("--length", "150"), "--length 150: BOAT_LEN is from 0.1 to 50 m; is the value in m?"),
         (("--arm", "28"), "--arm 28: THR_ARM is from 0.01 to 20 m"),
         (("--arm", "0.001"), "--arm 0.001: THR_ARM is from 0.01 to 20 m"),
+        (("--mass", "17140"), "--mass 17140 is too heavy for --length 1.2: the mass is in kg, the"),
+        (("--length", "12"), "--mass 17.14 is too light for --length 12: the mass is in kg, the"),
         (("--arm", "2.8"), "--arm 2.8 is more than --length 1.2: both are in metres"),
     ],
 )

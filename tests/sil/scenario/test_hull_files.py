@@ -61,4 +61,4 @@ def test_the_file_of_a_hull_of_ones_own_names_where_it_is_from(tmp_path: Path) -
     text = presets.path_of("paper").read_text(encoding="utf-8")
     path.write_text(text.partition("\n\n")[2], encoding="utf-8")
     lines = hull_files.texts(str(path))["param"].splitlines()
-    assert lines[0] == f"# {path}" and f"from {path}," in lines[1]
+    assert lines[0] == f"# {path}" and lines[1].endswith(f"by flotilla hulls from {path}")
