@@ -30,13 +30,10 @@ SLOWEST = 25
 PROGRESS_S = 60
 #: Targets of the release build that tests run.
 RELEASE = "flotillad flotilla_bench socketcan_tests"
-#: Tests that need other builds: packages, the image, programs with sanitizers.
-OF_BUILDS = (
-    "tests/package",
-    "tests/cortex_m",
-    "tests/link/mavlink/test_oracle.py",
-    "tests/linux/logs/test_logs.py",
-)
+#: Tests that need packages and the image, or programs with sanitizers.
+OF_IMAGES = ("tests/package", "tests/cortex_m")
+OF_SANITIZERS = ("tests/link/mavlink/test_oracle.py", "tests/linux/logs/test_logs.py")
+OF_BUILDS = (*OF_IMAGES, *OF_SANITIZERS)
 
 
 #: Tests that sail boats in real time, or wait for what others send.
@@ -56,16 +53,16 @@ LIVE = (
 class Stage:
     """`commands` run in sequence after the stages `after`; `tests`: whether they run tests.
 
-    `live`: in real time; one such stage runs at a time, those beside it have a lower priority
-    (`nice`). Else tests/punctual.py finds the machine too slow to judge boats. `again` repeats the
-    tests that failed in the last command.
+    One stage of each `kind` runs at a time. "live": in real time; those beside it have a lower
+    priority (`nice`). Else tests/punctual.py finds the machine too slow to judge boats. "build":
+    on all processors for minutes. `again` repeats the tests that failed in the last command.
     """
 
     name: str
     commands: tuple[str, ...]
     after: tuple[str, ...] = ()
     tests: bool = False
-    live: bool = False
+    kind: str = ""
     nice: int = 10
     again: str = ""
 
@@ -100,7 +97,6 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     fuzz_s = 300 if options.all else 2
     words = shlex.join(options.pytest)
     packages = "amd64 arm64 armhf" if options.all else "amd64"
-    of_builds = " ".join(OF_BUILDS)
     not_live = " ".join(f"--ignore={path}" for path in (*OF_BUILDS, *LIVE, "tests/vcan"))
     live = " ".join([*LIVE, *(f"--ignore={path}" for path in OF_BUILDS)])
     one_source = "build/dev/tests/CMakeFiles/flotilla_tidied.dir/Unity/*.cxx"
@@ -119,22 +115,24 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("vcan", ("tools/with-vcan build/release/tests/socketcan_tests",
                        f"tools/with-vcan {in_time.format('vcan')} {junit.format('vcan')}{every}"
                        " tests/vcan"),
-              ("release",), tests=True, live=True, nice=0,
+              ("release",), tests=True, kind="live", nice=0,
               again=f"tools/with-vcan {in_time.format('vcan')} {failed}{every} tests/vcan"),
         Stage("live", (f"{in_time.format('live')} {junit.format('live')} {live}{every}"
                        f" {workers.format(4)} {words if options.only == 'live' else ''}",),
-              ("release",), tests=True, live=True, nice=0,
+              ("release",), tests=True, kind="live", nice=0,
               again=f"{in_time.format('live')} {failed} {live}{every}"),
         Stage("python", (f"{pytest} {junit.format('python')} {not_live} {workers.format(3)}{every}"
                          f" {words}",),
               ("release",), tests=True),
-        Stage("sanitizers", ("tools/build dev",), ("release",)),
+        # Before the sanitizers, whose tests can then use both processors to the end.
         Stage("images", ("tools/build cortex-m", f"tools/package {packages}",
-                         f"{pytest} {junit.format('images')}{every} {of_builds}"),
-              ("sanitizers",), tests=True),
+                         f"{pytest} {junit.format('images')}{every} {' '.join(OF_IMAGES)}"),
+              ("release",), tests=True, kind="build"),
+        Stage("sanitizers", ("tools/build dev",), ("release",), kind="build"),
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
                            f"--output-junit {out}/firmware.xml",), ("sanitizers",), tests=True),
-        Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
+        Stage("fuzz", (f"{pytest} {junit.format('fuzz')}{every} {' '.join(OF_SANITIZERS)}",
+                       f"tools/fuzz --seconds {fuzz_s} --no-merge"), ("sanitizers",), tests=True),
         Stage("tidy", (tidied,), ("sanitizers",)),
     ]  # fmt: skip
     if options.all:
@@ -245,7 +243,7 @@ def run_all(todo: list[Stage], told: Callable[[Result], None]) -> list[Result]:
                     results[stage.name] = Result(stage, why=f"needs {' and '.join(stage.after)}")
                     told(results[stage.name])
                 elif all(name in results for name in stage.after) and not (
-                    stage.live and any(other.live for other in running.values())
+                    stage.kind and stage.kind in {other.kind for other in running.values()}
                 ):
                     waiting.remove(stage)
                     running[pool.submit(run, stage)] = stage

@@ -112,7 +112,7 @@ def test_of_two_live_stages_the_second_waits_and_others_run_beside_the_first(
         return Result(stage)
 
     monkeypatch.setattr(stages, "run", run)
-    todo = [Stage("vcan", (), live=True), Stage("live", (), live=True), Stage("fuzz", ())]
+    todo = [Stage("vcan", (), kind="live"), Stage("live", (), kind="live"), Stage("fuzz", ())]
     assert len(stages.run_all(todo, lambda _: None)) == len(ended) == 3
 
 

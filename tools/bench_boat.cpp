@@ -29,8 +29,8 @@ using namespace flotilla;
 
 constexpr std::int64_t kPeriod_us = 10'000;
 constexpr std::uint8_t kOwn = 1, kLeader = 100;
-// Generated for this many ticks whatever N is, so the difference of two N is due to ticks alone.
-constexpr std::size_t kMade = 20'000;
+// At least so many ticks are generated, so the difference of two smaller N is due to ticks alone.
+constexpr std::size_t kLeast = 2'000;
 
 /// Input of a boat at one instant; kTick ends it.
 struct Event {
@@ -125,10 +125,10 @@ void add_esc_reports(std::vector<Event>& events, std::int64_t t_us, std::uint8_t
   }
 }
 
-std::vector<Event> made_events(bool odometry) {
+std::vector<Event> made_events(std::size_t n, bool odometry) {
   std::vector<Event> events;
   link::MavlinkEncoder own({kOwn, 220}), leader({kLeader, 1}), operator_({255, 190});
-  for (std::size_t k = 1; k <= kMade; ++k) {
+  for (std::size_t k = 1; k <= std::max(n, kLeast); ++k) {
     const auto t_us = static_cast<std::int64_t>(k) * kPeriod_us;
     // Both sail north-east, the boat in its slot: it need not close up.
     const float x = 0.004F * static_cast<float>(k);
@@ -276,7 +276,7 @@ int main(int argc, char** argv) {
   if (replay) {
     events = recorded_events(argv[3], static_cast<unsigned>(std::atoi(argv[4])));
   } else if (what != "odometry") {
-    events = made_events(what == "tick_odometry");
+    events = made_events(n, what == "tick_odometry");
   }
   if (what == "stream") {
     write_stream(events, n);
