@@ -17,8 +17,10 @@ def test_report_of_a_run_plays_it(browser: Browser, tmp_path: Path) -> None:
     browser.open((tmp_path / "report.html").as_uri())
     browser.until(INSIDE + "inside.flotilla?.plots && inside.flotilla.shown !== null")
     assert browser.run(INSIDE + "inside.document.querySelectorAll('.card').length") == 3
-    browser.run(INSIDE + "inside.document.getElementById('pause').click()")
-    browser.until(INSIDE + "inside.flotilla.shown.t_s > 0.3")
+    browser.until(INSIDE + "inside.flotilla.shown.t_s > 0.3")  # it begins by itself
+    button = "inside.document.getElementById('pause')"
+    browser.run(INSIDE + f"{button}.click()")
+    assert browser.run(INSIDE + f"{button}.textContent") == "Play"
 
 
 def test_report_fits_a_phone(browser: Browser, tmp_path: Path) -> None:
