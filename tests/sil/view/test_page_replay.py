@@ -122,7 +122,8 @@ def test_card_has_the_escs_telemetry(browser: Browser, tmp_path: Path) -> None:
     browser.run(choose, "Boat 1")
     # current, temperature and errors, which nobody tells, have no column
     unknown = "unknown"
-    browser.until(f"{rows.replace('return', 'const found =')}; return found[0].some(Boolean)", "Boat 1")
+    found = rows.replace("return", "const found =")
+    browser.until(f"{found}; return found[0].some(Boolean)", "Boat 1")
     assert browser.run(rows, "Boat 1") == [["−250", unknown], [unknown, "23.5"]]
     browser.run(choose, "Boat 2")
     browser.until(f"{CARD} return card.querySelector('table').hidden === false", "Boat 2")
