@@ -55,11 +55,15 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
 
 def _recording(folder: Path) -> Path | None:
     """The run's recording, if there is one; without a summary, any recording is accepted."""
+    summary, recording = folder / "summary.json", folder / "recording.bin"
+    if not summary.exists():
+        return recording if recording.exists() else None
     try:
-        digest = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["digest"]
-    except (OSError, ValueError, KeyError, TypeError):
-        path = folder / "recording.bin"
-        return path if path.exists() else None
+        digest = json.loads(summary.read_text(encoding="utf-8"))["digest"]
+    except (ValueError, KeyError, TypeError):
+        raise ValueError(
+            f"{summary}: damaged, so the recording cannot be checked; remove it to convert without"
+        ) from None
     return of_run(folder, digest)
 
 

@@ -59,7 +59,8 @@ def test_rerun_finds_nothing_wrong_with_the_file(rerun: Path, folder: Path) -> N
 
 
 def test_every_fix_is_a_point_on_the_map(rerun: Path, rrd: Path, folder: Path) -> None:
-    eta = np.load(folder / "trace.npz")["eta"]
+    with np.load(folder / "trace.npz") as file:
+        eta = file["eta"]
     for agent, name in enumerate(("leader100", "boat1", "boat2", "boat3", "boat4")):
         assert rows(chunks(rerun, rrd, f"/{name}/fix", "-v"), "GeoPoints:positions") == SAMPLES
         printed = chunks(rerun, rrd, f"/{name}/fix", "-vvv")

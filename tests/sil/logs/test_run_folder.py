@@ -36,7 +36,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def trace(folder: Path) -> dict[str, Array]:
-    return dict(np.load(folder / "trace.npz"))
+    with np.load(folder / "trace.npz") as file:
+        return dict(file)
 
 
 @pytest.fixture(scope="module")
@@ -158,17 +159,18 @@ def test_a_run_without_mcap_removes_that_of_an_earlier_one(tmp_path: Path) -> No
     assert not (tmp_path / NAME).exists()
 
 
-@pytest.mark.parametrize("name", ["trace.npz", "recording.bin"])
+@pytest.mark.parametrize("name", ["trace.npz", "recording.bin", "summary.json"])
 def test_a_damaged_run_is_reported_and_leaves_nothing(
     name: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for kept in ("trace.npz", "recording.bin"):
-        shutil.copy(folder / kept, tmp_path)
+    kept = sorted({"trace.npz", "recording.bin", name})
+    for file in kept:
+        shutil.copy(folder / file, tmp_path)
     content = (tmp_path / name).read_bytes()
     (tmp_path / name).write_bytes(content[: len(content) // 2])
     assert flotilla(["convert", str(tmp_path)]) == 2
     assert_told_in_one_line(name, capsys)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["recording.bin", "trace.npz"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == kept
 
 
 def test_a_live_runs_log_ignores_an_earlier_runs_recording(folder: Path, tmp_path: Path) -> None:
