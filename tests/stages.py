@@ -53,9 +53,10 @@ LIVE = (
 class Stage:
     """`commands` run in sequence after the stages `after`; `tests`: whether they run tests.
 
-    One stage of each `kind` runs at a time. "live": in real time; those beside it have a lower
-    priority (`nice`). Else tests/punctual.py finds the machine too slow to judge boats. "build":
-    on all processors for minutes. `again` repeats the tests that failed in the last command.
+    Of the stages with the same `kind` ("": none) one runs at a time. "live": in real time; the
+    others have a lower priority (`nice`), because tests/punctual.py does not judge boats on a
+    machine that is too slow for them. "build": compiles on all processors for minutes. `again`
+    repeats the tests that failed in the last command.
     """
 
     name: str
@@ -125,19 +126,21 @@ def stages(options: argparse.Namespace) -> list[Stage]:
                          f" {words}",),
               ("release",), tests=True),
         # Before the sanitizers, whose tests can then use both processors to the end.
-        Stage("images", ("tools/build cortex-m", f"tools/package {packages}",
-                         f"{pytest} {junit.format('images')}{every} {' '.join(OF_IMAGES)}"),
-              ("release",), tests=True, kind="build"),
+        Stage("packages", ("tools/build cortex-m", f"tools/package {packages}"), ("release",),
+              kind="build"),
+        Stage("images", (f"{pytest} {junit.format('images')}{every} {' '.join(OF_IMAGES)}",),
+              ("packages",), tests=True),
         Stage("sanitizers", ("tools/build dev",), ("release",), kind="build"),
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
                            f"--output-junit {out}/firmware.xml",), ("sanitizers",), tests=True),
-        Stage("fuzz", (f"{pytest} {junit.format('fuzz')}{every} {' '.join(OF_SANITIZERS)}",
-                       f"tools/fuzz --seconds {fuzz_s} --no-merge"), ("sanitizers",), tests=True),
+        Stage("oracles", (f"{pytest} {junit.format('oracles')}{every} {' '.join(OF_SANITIZERS)}",),
+              ("sanitizers",), tests=True),
+        Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
         Stage("tidy", (tidied,), ("sanitizers",)),
     ]  # fmt: skip
     if options.all:
         found += [
-            Stage("ranges", ("tools/fixed --ranges",), ("images",)),
+            Stage("ranges", ("tools/fixed --ranges",), ("images",), kind="build"),
             Stage("fixed", ("tools/fixed",), ("python", "images")),
         ]
     if not options.only:

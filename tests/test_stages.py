@@ -126,6 +126,17 @@ def test_every_live_test_is_in_the_stage_live_and_no_other() -> None:
         assert f"--ignore={path} " in commands["python"]
 
 
+@pytest.mark.parametrize(
+    ("paths", "build"), [(stages.OF_IMAGES, "packages"), (stages.OF_SANITIZERS, "sanitizers")]
+)
+def test_tests_of_a_build_run_once_after_it(paths: tuple[str, ...], build: str) -> None:
+    todo = stages.stages(stages.arguments([]))
+    for path in paths:
+        assert (Path(__file__).parents[1] / path).exists()
+        (runs,) = (it for it in todo if any(f" {path}" in words for words in it.commands))
+        assert runs.after == (build,)
+
+
 @pytest.mark.parametrize("words", [[], ["--all"], ["--only", "vcan"]])
 def test_every_stage_comes_after_those_that_it_needs(words: list[str]) -> None:
     seen: set[str] = set()

@@ -29,7 +29,7 @@ using namespace flotilla;
 
 constexpr std::int64_t kPeriod_us = 10'000;
 constexpr std::uint8_t kOwn = 1, kLeader = 100;
-// At least so many ticks are generated, so the difference of two smaller N is due to ticks alone.
+// At least so many ticks are generated, so the difference of two N up to this is due to ticks alone.
 constexpr std::size_t kLeast = 2'000;
 
 /// Input of a boat at one instant; kTick ends it.

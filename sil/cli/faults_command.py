@@ -9,6 +9,8 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from sil.scenario import arguments
+
 EXAMPLES = (
     "flotilla faults",
     "flotilla faults --only leader",
@@ -19,7 +21,10 @@ EXAMPLES = (
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument(
-        "--out", type=Path, default=Path("out/faults"), help="folder of the results (out/faults)"
+        "--out",
+        type=arguments.filled_path,
+        default=Path("out/faults"),
+        help="folder of the results (out/faults)",
     )
     parser.add_argument("--only", metavar="NAME", help="sail only rows whose name contains NAME")
     parser.add_argument(

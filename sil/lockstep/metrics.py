@@ -54,7 +54,7 @@ class Summary(TypedDict):
     boats: list[BoatSummary]
     min_separation_m: float | None
     hull_m: float  # length of the longest hull
-    voyage: NotRequired[bool]  # the only boat measured its hull: its errors mean nothing
+    voyage: NotRequired[str]  # the only boat measures its hull, without a slot: its last text of it
 
 
 def formation_error(

@@ -34,15 +34,16 @@ class Verdict(NamedTuple):
 def of_run(summary: Summary) -> Verdict:
     """The verdict of a run.
 
-    If all boats settle before the last third, the longest settling time is told; else the number
-    of boats that stay within `IN_SLOT_M` of their slots in it. Two boats are too near if their
-    reference points come nearer than a hull's length.
+    If all boats settle before the last third, the verdict gives the longest settling time.
+    Otherwise it counts the boats that stay within `IN_SLOT_M` of their slots in the last third. Two
+    boats are too near if their reference points come nearer than a hull's length.
     """
     boats = summary["boats"]
     wrong = [*_states(boats), *_separation(summary)]
-    if summary.get("voyage"):
-        text = f"the boat measured its hull, without a slot, for {summary['duration_s']:.0f} s"
-        return Verdict("bad" if wrong else "good", "; ".join([text, *wrong]))
+    if "voyage" in summary:
+        over = summary["voyage"]
+        text = over or f"the voyage was not over after {summary['duration_s']:g} s"
+        return Verdict("bad" if wrong else "good" if over else "fair", "; ".join([text, *wrong]))
     early_s = 2.0 / 3.0 * summary["duration_s"]
     settling = [boat["settling_time_s"] for boat in boats]
     settled = [s for s in settling if s is not None and s <= early_s]

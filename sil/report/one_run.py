@@ -156,8 +156,6 @@ def _finish(
         "min_separation_m": separation_m,
         "hull_m": max(boat.length_m for boat in afloat),
     }
-    if scenario.leader.voyage_room_m is not None:
-        summary["voyage"] = True
     recorded = out / "recording.bin" if result.digest is not None else None
     said = said_of(out, trace, recorded, release_unix_s)
     if said is not None:
@@ -166,11 +164,14 @@ def _finish(
                 boat["said"] = reasons
             if heard.is_closing():
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
+    if scenario.leader.voyage_room_m is not None:
+        summary["voyage"] = "" if said is None else said.boats[0].voyage_over()
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     save(out, summary, trace)
     pictures = drawing.pictures()
-    if summary.get("voyage"):
+    if "voyage" in summary:
         pictures.pop("errors", None)
+        (out / "errors.png").unlink(missing_ok=True)
     run_report.write(out, summary, trace, command, pictures, replayed)
     plain = partial(console.print, soft_wrap=True, markup=False)
     console.print(headline.of_run(summary).marked, soft_wrap=True)

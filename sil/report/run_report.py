@@ -74,7 +74,7 @@ def table(summary: Summary) -> Table:
     for column in COLUMNS:
         grid.add_column(column, justify="right", max_width=10)
     for boat in summary["boats"]:
-        grid.add_row(*_cells(boat, slots=not summary.get("voyage")))
+        grid.add_row(*_cells(boat, slots="voyage" not in summary))
     return grid
 
 
@@ -99,7 +99,7 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
         digest=summary["digest"] or "none: a live run",
         command=escape(command),
         header="".join(f"<th>{escape(column)}</th>" for column in [*COLUMNS, "states"]),
-        rows="".join(_row(boat, slots=not summary.get("voyage")) for boat in summary["boats"]),
+        rows="".join(_row(boat, slots="voyage" not in summary) for boat in summary["boats"]),
     )
 
 

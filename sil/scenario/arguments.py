@@ -54,7 +54,7 @@ def filled_path(text: str) -> Path:
     """Parse a path; an empty one, as of an unset variable of the shell, is not this folder."""
     if text:
         return Path(text)
-    raise argparse.ArgumentTypeError("it is empty; name a file or a folder")
+    raise argparse.ArgumentTypeError("it is empty; name a folder")
 
 
 def count(text: str) -> int:

@@ -15,7 +15,7 @@ def texts(name: str) -> dict[str, str]:
     """The files of a hull by suffix; ScenarioError as `presets.path_of`."""
     hull, path = presets.load(name), presets.path_of(name)
     speed = f"# At {hull.cruise.speed_mps:g} m/s; made by"
-    if path.is_relative_to(ROOT):
+    if path.parent == presets.FOLDER:
         made = [
             f"{speed} tools/reference from {path.relative_to(ROOT).as_posix()},",
             "# which has the source of each number and says which are estimates.",

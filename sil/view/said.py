@@ -44,6 +44,8 @@ _SHOWN = (
 # States in which a boat is out of formation; greatest time by which the reason precedes them, s.
 _LOST, _BEFORE_S = ("COAST", "HOLD", "FAULT"), 6.0
 
+_OVER = "Voyage: over"  # begins the text with which a boat ends a voyage
+
 # The NAMED_VALUE_FLOATs that a history needs; nine tenths of all messages are NAMED_VALUE_FLOATs.
 _NAMES = {b"COND", b"COND2", b"IN_SLOT", b"LEAD_AGE"}
 _ID, _NAME = slice(7, 10), slice(18, 28)
@@ -103,6 +105,11 @@ class SaidByBoat:
             text for at_s, text in self.texts.list if lost and -_BEFORE_S < at_s - lost[0] < 1.0
         )
         return list(dict.fromkeys(near))
+
+    def voyage_over(self) -> str:
+        """Its text at the end of its voyage; empty before."""
+        texts = (text for _, text in self.texts.list if text and text.startswith(_OVER))
+        return next(texts, "")
 
     def has_escs(self, port: int, stbd: int) -> None:
         """Set the indices of its propellers' ESCs, 0 and 1 by default."""

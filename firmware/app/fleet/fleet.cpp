@@ -193,13 +193,9 @@ void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::
   const FleetPeer& peer = peers_.all()[rank];
   const bool relayed = peer.hears == leader;
   const bool sailed = peer.heard && peer.epoch != 0 && !peer.stopped;
-  peers_.take(rank, beacon, ledger_, now_us);
+  const bool names_leader = peers_.take(rank, beacon, ledger_, now_us);
   if (sailed && peer.stopped) note_stop(ledger_.current()->members[rank].system, now_us);
-  // It missed this boat's beacons, perhaps after a restart, and waits for a leader that is none.
-  if (peer.hears == rank_in(ledger_.current(), system_) && !succession_.leads() && repeats_ == 0) {
-    repeats_ = kRepeats_us.size();
-    beacon_us_ = now_us;
-  }
+  if (names_leader) contradict(peer, now_us);
   const bool unheard = leader < peers_.all().size() && !peers_.all()[leader].heard;
   // After the leader's stop, the member's first beacon no longer names a leader.
   const bool ends = relayed && beacon.plan_id == 0;
@@ -209,6 +205,17 @@ void Fleet::take_member(std::size_t rank, const link::FleetBeacon& beacon, std::
   const bool by_leader = rank == leader && (peer.leads || peer.stopped);
   if (by_leader) leader_stopped_ = peer.stopped;
   if (by_leader || relays) note_place({beacon.plan_id, beacon.plan_item});
+}
+
+/// A member that has missed this boat's beacons, perhaps after a restart, may still take it for its
+/// leader. Then this boat repeats its beacon.
+void Fleet::contradict(const FleetPeer& peer, std::int64_t now_us) {
+  const auto own = rank_in(ledger_.current(), system_);
+  if (!own || peer.hears != *own || succession_.leads()) return;
+  if (ledger_.current()->members[*own].only_leads || now_us < next_burst_us_) return;
+  next_burst_us_ = now_us + kBeacon_us;
+  beacon_us_ = now_us;
+  repeats_ = std::max(repeats_, kRepeats_us.size());
 }
 
 /// An operator has stopped a member.

@@ -110,6 +110,7 @@ class Fleet {
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
   void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
   void take_member(std::size_t rank, const link::FleetBeacon& beacon, std::int64_t now_us);
+  void contradict(const FleetPeer& peer, std::int64_t now_us);
   void note_stop(std::uint8_t system, std::int64_t now_us);
   void note_place(const FleetPlace& place);
   bool is_stop(const FleetTable& table) const;
@@ -143,6 +144,7 @@ class Fleet {
   std::int64_t beacon_us_ = 0, table_us_ = kNever;  // due
   std::int64_t passed_us_ = kNever;                 // the newest table was last heard or sent
   // when operators last stopped a member, and another one before; since this boat began to sail
+  std::int64_t next_burst_us_ = kNever;  // of contradict(), at the earliest
   std::int64_t last_stop_us_ = kNever, stop_before_us_ = kNever;
   std::uint8_t last_stopped_ = 0;  // system id of that member
   std::uint8_t system_ = 0;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kAhead_ms = 10'000;
 // Greatest difference in link latency. A smaller number after that comes from a restarted boat.
 constexpr std::uint16_t kOvertaken_ds = 30;
-constexpr int kNumbersBack = 25;  // more beacons than a boat sends in kOvertaken_ds
+constexpr int kNumbersBack = 32;  // more beacons than a boat sends in kOvertaken_ds
 
 std::uint32_t ms_of(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 
@@ -62,14 +62,15 @@ bool FleetPeers::note_beacon(Heard& heard, const link::FleetBeacon& beacon, std:
   const auto ahead = static_cast<std::int8_t>(beacon.sequence - heard.sequence);
   const std::uint16_t now_ds = deciseconds(now_us);
   const auto since_ds = static_cast<std::uint16_t>(now_ds - heard.beacon_ds);
-  const bool overtaken = -kNumbersBack < ahead && ahead < 0;
-  if (heard.component != 0 && since_ds < kOvertaken_ds && overtaken) return false;
+  const bool overtaken = heard.component != 0 && since_ds < kOvertaken_ds && ahead < 0;
+  const bool restarted = ahead <= -kNumbersBack && beacon.sequence <= kNumbersBack;
+  if (overtaken && !restarted) return false;
   heard.sequence = beacon.sequence;
   heard.beacon_ds = now_ds;
   return true;
 }
 
-void FleetPeers::take(std::size_t rank, const link::FleetBeacon& beacon, const FleetLedger& ledger,
+bool FleetPeers::take(std::size_t rank, const link::FleetBeacon& beacon, const FleetLedger& ledger,
                       std::int64_t now_us) {
   std::uint32_t& ahead_ms = heard_[rank].ahead_ms;
   if (beacon.epoch <= ledger.newest().epoch) {
@@ -82,22 +83,25 @@ void FleetPeers::take(std::size_t rank, const link::FleetBeacon& beacon, const F
   peer.leads = (beacon.flags & kLeads) != 0;
   peer.stopped = (beacon.flags & kEnds) != 0;
   peer.epoch = beacon.epoch;
-  note_leader(peer, beacon, ledger);
+  return note_leader(peer, beacon, ledger);
 }
 
 /// The rank refers to the sender's newest table. If this boat does not have that table, it keeps
-/// the last report.
-void FleetPeers::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon,
+/// the last report. True if the beacon names a leader that this boat knows.
+bool FleetPeers::note_leader(FleetPeer& peer, const link::FleetBeacon& beacon,
                              const FleetLedger& ledger) {
   const std::size_t told = heard_of(beacon.flags);
   if (told == 0) peer.hears = FleetTable::kMax;
+  bool known = false;
   for (const FleetTable* table : {&ledger.newest(), ledger.current()}) {
     if (table->epoch != beacon.epoch || table->digest != beacon.digest) continue;
     if (told == 0 || told > table->count) continue;
     const std::uint8_t leader = table->members[told - 1].system;
     peer.hears = rank_or_none(*ledger.current(), leader);
     peer.behind = beacon.leader == leader;
+    known = peer.hears < ledger.current()->count;
   }
+  return known;
 }
 
 bool FleetPeers::update(std::size_t count, std::int64_t limit_us, std::int64_t now_us) {

@@ -27,8 +27,8 @@ class FleetPeers {
   /// Takes any message of a member. False if it is a beacon and a newer one arrived before it.
   bool hear(std::size_t rank, const link::Received& received, bool only_leads, std::int64_t now_us);
 
-  /// Takes a member's beacon; call after hear().
-  void take(std::size_t rank, const link::FleetBeacon& beacon, const FleetLedger& ledger,
+  /// Takes a member's beacon; call after hear(). True if it names a leader that this boat knows.
+  bool take(std::size_t rank, const link::FleetBeacon& beacon, const FleetLedger& ledger,
             std::int64_t now_us);
 
   /// Once a tick: members that were silent for limit_us are no longer heard. True if one that was
@@ -50,7 +50,7 @@ class FleetPeers {
   };
 
   static bool note_beacon(Heard& heard, const link::FleetBeacon& beacon, std::int64_t now_us);
-  static void note_leader(FleetPeer& peer, const link::FleetBeacon& beacon,
+  static bool note_leader(FleetPeer& peer, const link::FleetBeacon& beacon,
                           const FleetLedger& ledger);
 
   std::array<FleetPeer, FleetTable::kMax> peers_{};

@@ -106,7 +106,7 @@ TEST_CASE(
   for (const bool is_lost : {false, true}) {  // the first beacon after the restart, without a table
     CAPTURE(is_lost);
     Harbour harbour = under_way();
-    harbour.sail(30);  // its beacons have higher numbers by now
+    harbour.sail(60);  // its beacons have higher numbers by now
     harbour.boats[0].fleet = {};
     harbour.boats[0].state = State::kDisarmed;
     harbour.boats[0].stopped = true;
@@ -139,6 +139,54 @@ TEST_CASE("a failed leader repeats its beacon while a member still reports that 
   CHECK(harbour.boats[1].state == State::kAuto);
   harbour.sail(3);
   CHECK(bytes_in_two_seconds() <= 2 * 25);
+}
+
+TEST_CASE("a beacon of minutes ago, and one of a member with another table, change nothing") {
+  Harbour harbour = under_way();
+  harbour.sail(120);
+  harbour.boats[0].state = State::kDisarmed;
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == State::kAuto);
+  link::FleetBeacon old{};
+  old.epoch = 1;
+  old.digest = table_of_four(1).digest;
+  old.flags = FleetPeers::kLeads;
+  old.sequence = 60;
+  harbour.hear(1, old, {1, 1});
+  harbour.sail(0.5);
+  CHECK(harbour.boats[1].state == State::kAuto);
+  // Of a table that nobody has; it would name boat 1.
+  link::FleetBeacon foreign{};
+  foreign.epoch = 1;
+  foreign.digest = 65'535;
+  foreign.flags = 1U << FleetPeers::kHears;
+  harbour.sail(3);
+  const std::size_t before = harbour.boats[0].bytes;
+  for (int tenth = 0; tenth < 30; ++tenth) {
+    ++foreign.sequence;
+    harbour.hear(0, foreign, {3, 1});
+    harbour.sail(0.1);
+  }
+  CHECK(harbour.boats[0].bytes - before <= 4 * 25);
+}
+
+TEST_CASE("however often members report a leader that is none, it repeats its beacon rarely") {
+  Harbour harbour = under_way();
+  harbour.boats[0].state = State::kDisarmed;
+  harbour.sail(5);
+  link::FleetBeacon wrong{};
+  wrong.epoch = 1;
+  wrong.digest = table_of_four(1).digest;
+  wrong.flags = FleetPeers::kFit | 1U << FleetPeers::kHears;
+  wrong.sequence = 100;
+  const std::size_t before = harbour.boats[0].bytes;
+  for (int tenth = 0; tenth < 120; ++tenth) {
+    ++wrong.sequence;
+    harbour.hear(0, wrong, {4, 1});
+    harbour.sail(0.1);
+  }
+  CHECK(harbour.boats[0].bytes - before >= 20 * 25);
+  CHECK(harbour.boats[0].bytes - before <= 44 * 25);
 }
 
 TEST_CASE("a late beacon from before a boat got its table changes nothing") {

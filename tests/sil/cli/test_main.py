@@ -55,7 +55,7 @@ def test_a_mistake_is_reported_in_one_line(
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run", "diamond", "--out", ""], "argument --out: it is empty; name a file or a folder"),
+        (["run", "diamond", "--out", ""], "argument --out: it is empty; name a folder"),
         (["view", "out", "--length", "nan"], "argument --length: nan is not a length in metres"),
         (["doctor", "--seconds", "0"], "argument --seconds: 0 is not a number of seconds"),
         (["campaign", "diamond", "--runs", "1e9"], "argument --runs: 1e9 is not a whole number"),

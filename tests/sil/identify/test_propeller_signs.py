@@ -45,12 +45,15 @@ def test_commands_of_another_boat_are_refused() -> None:
         propeller_signs.find([foreign])
 
 
-def test_a_log_of_straights_alone_is_told_to_need_turns() -> None:
+@pytest.mark.parametrize("trim", [0.0, 0.2])
+@pytest.mark.parametrize("steady", [False, True])
+def test_a_log_of_straights_alone_is_told_to_need_turns(trim: float, *, steady: bool) -> None:
     rng = np.random.default_rng(6)
     ahead = levels(rng, 120.0).mean(axis=1)
     steered = rng.normal(0.0, 0.01, (len(ahead), 2))  # to keep the course
-    with pytest.raises(BadLogError, match="nearly the same command"):
-        propeller_signs.find([sail(ahead[:, None] + steered, rng)])
+    commands = np.full((len(ahead), 2), 0.5) if steady else ahead[:, None] + steered
+    with pytest.raises(BadLogError, match="hardly changes"):
+        propeller_signs.find([sail(commands + np.array([trim, 0.0]), rng)])
 
 
 def test_a_sum_in_one_column_is_refused() -> None:

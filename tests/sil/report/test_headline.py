@@ -69,12 +69,13 @@ def test_boat_that_does_not_stay_in_its_slot_is_counted_out() -> None:
     assert found.text.startswith("1 of 2 stay within 0.2 m of their slots; worst 0.21 m")
 
 
-def test_a_boat_that_measures_its_hull_is_not_judged_by_a_slot() -> None:
+def test_a_boat_that_measures_its_hull_is_judged_by_its_voyage_not_by_a_slot() -> None:
     alone = boat(1, settling_time_s=None, max_error_m=49.3, states={"AUTO": 300.0})
     told = summary(alone, separation_m=None)
-    told["voyage"] = True
-    found = headline.of_run(told)
-    assert found == ("good", "the boat measured its hull, without a slot, for 300 s")
+    told["voyage"] = "Voyage: over, 42 of 42 steps complete"
+    assert headline.of_run(told) == ("good", "Voyage: over, 42 of 42 steps complete")
+    told["voyage"] = ""
+    assert headline.of_run(told) == ("fair", "the voyage was not over after 300 s")
     alone["states"] = {"AUTO": 200.0, "HOLD": 100.0}
     assert headline.of_run(told).level == "bad"
 

@@ -80,3 +80,15 @@ def test_brackets_in_names_are_printed_as_they_are(
     told = capsys.readouterr().out
     assert f"results: {out}/report.html" in told and f"log: {out}/run.mcap" in told
     assert "[b]: sailing 2 s" in told and "[b], seed 1" in told
+
+
+def test_a_voyage_leaves_no_figures_of_a_formation(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "errors.png").write_bytes(b"of an earlier run")
+    (tmp_path / "summary.json").write_text('{"scenario": "voyage"}')
+    assert main(["run", "voyage", "--set", "duration_s=5", "--out", str(tmp_path)]) == 0
+    assert "the voyage was not over after 5 s" in capsys.readouterr().out
+    assert (tmp_path / "formation.png").exists() and not (tmp_path / "errors.png").exists()
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert page.count("<td>–</td>") == 5
