@@ -7,9 +7,9 @@ The scenario `lead` with eight boats in a vee, on a radio that loses 30 % and is
 All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 is killed, or
 boat 2, on which boats 4, 6 and 8 depend, or both; or boat 1 restarts, disarmed, within a second; or
 the radio is split between boats 1 to 4 and 5 to 8 for 60 s. This happens at instants spread over
-the plan. The true states and the boats' own reports are judged. On request: `paused`: an operator
-pauses boat 1, which is killed 5 s later; `left_out`: a new table leaves out boat 8; `none`:
-nothing fails.
+the plan. The true states and the boats' own reports are judged. On request: `inner3`, `inner4`:
+boat 3 or 4 is killed; `paused`: an operator pauses boat 1, which is killed 5 s later; `left_out`: a
+new table leaves out boat 8; `none`: nothing fails.
 """
 
 import argparse
@@ -40,7 +40,7 @@ from sil.wire.plan_upload import PlanUpload
 KILLS = {"leader": (1,), "inner": (2,), "two": (1, 2), "restart": (1,)}
 KINDS = (*KILLS, "split")
 #: The boats that the fleet loses through a failure, or through a new table.
-GONE = KILLS | {"paused": (1,), "left_out": (8,)}
+GONE = KILLS | {"inner3": (3,), "inner4": (4,), "paused": (1,), "left_out": (8,)}
 NOTHING = "none"
 #: A boat within this distance for that long is in its slot.
 IN_SLOT_M, STAYS_S = 0.2, 5.0
