@@ -387,7 +387,7 @@ Found search(const Limits& limits, Bug bug) {
   return found;
 }
 
-/// FLOTILLA_SEARCH=wide takes some five minutes and 6 GB in the release build.
+/// FLOTILLA_SEARCH=wide takes some five minutes and 9 GB in the release build.
 bool is_wide() {
   const char* wish = std::getenv("FLOTILLA_SEARCH");
   return wish != nullptr && std::string_view(wish) == "wide";
