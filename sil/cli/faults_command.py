@@ -22,7 +22,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument(
         "--out",
-        type=arguments.filled_path,
+        type=arguments.nonempty_path,
         default=Path("out/faults"),
         help="folder of the results (out/faults)",
     )

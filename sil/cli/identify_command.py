@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sil.common.out_folder import claim
-from sil.scenario.arguments import filled_path
+from sil.scenario.arguments import nonempty_path
 
 EXAMPLES = (
     "flotilla identify voyage.csv --mass 17 --length 1.2 --arm 0.28",
@@ -36,7 +36,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--out",
-        type=filled_path,
+        type=nonempty_path,
         default=Path("out/identify"),
         help="folder of the results (out/identify)",
     )
@@ -84,7 +84,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
 
 
 def _check_sizes(options: argparse.Namespace, surge_mass_kg: float) -> None:
-    """ValueError if the firmware has no parameter for a boat of this size."""
+    """ValueError if the firmware has no parameter for this size, or two sizes contradict."""
     import flotilla
 
     ranges = {one["name"]: (one["least"], one["greatest"]) for one in flotilla.parameter_list()}

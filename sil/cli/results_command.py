@@ -39,7 +39,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     arguments.add_workers_to(parser)
     parser.add_argument(
         "--out",
-        type=arguments.filled_path,
+        type=arguments.nonempty_path,
         default=Path("out/results"),
         metavar="DIR",
         help="folder of the results (out/results)",

@@ -16,7 +16,7 @@ from sil.identify.voyage_log import SAMPLE_S, Array, BadLogError, VoyageLog
 _STEP = round(1.0 / SAMPLE_S)
 _SURE = 4.0  # standard errors
 _LEAST_COMMAND = 0.05
-_ROUNDING = 1e-6
+_ROUNDING = 1e-6  # of commands
 _APART = 0.1  # of the sum's deviation: a smaller one of the difference cannot turn the boat
 
 
@@ -65,28 +65,36 @@ def find(logs: Sequence[VoyageLog]) -> Wiring:
     surge = _standard_errors(np.vstack([a for a, _ in rows]))
     yaw = _standard_errors(np.vstack([b for _, b in rows]))
     names = ", ".join(log.name for log in logs)
-    both = np.vstack([log.commands for log in logs])
-    apart = np.nanstd(both[:, 0] - both[:, 1])
-    driven = np.nanmax(np.abs(both), initial=0.0) > _LEAST_COMMAND
-    if driven and apart <= max(_APART * np.nanstd(both.sum(axis=1)), _ROUNDING):
+    inverted = surge[0] < 0.0, surge[1] < 0.0
+    turns = [b * (-1.0 if wrong else 1.0) for b, wrong in zip(yaw, inverted, strict=True)]
+    silent = max(abs(surge[0]), abs(surge[1])) < _SURE or min(abs(yaw[0]), abs(yaw[1])) < _SURE
+    one_sided = turns[0] * turns[1] > 0.0
+    if (silent or one_sided) and _alike(logs):
         raise BadLogError(
             f"{names}: the difference between both propellers hardly changes, so nobody can tell "
             "them apart. Add a log of the voyage, or of turns to both sides."
         )
-    if max(abs(surge[0]), abs(surge[1])) < _SURE or min(abs(yaw[0]), abs(yaw[1])) < _SURE:
+    if silent:
         raise BadLogError(
             f"{names}: the boat does not answer its propellers. "
             "Check that commands and motion are of the same boat and time, in the units that "
             "their columns name, and that the log has turns and straights."
         )
-    inverted = surge[0] < 0.0, surge[1] < 0.0
-    turns = [b * (-1.0 if wrong else 1.0) for b, wrong in zip(yaw, inverted, strict=True)]
-    if turns[0] * turns[1] > 0.0:
+    if one_sided:
         raise BadLogError(
             f"{names}: both propellers turn the boat to the same "
             "side. One column of commands or the yaw rate is not what its name says."
         )
     return Wiring(*inverted, turns[0] < 0.0, surge, yaw)
+
+
+def _alike(logs: Sequence[VoyageLog]) -> bool:
+    """Whether both propellers are driven, but their difference stays nearly the same."""
+    commands = np.vstack([log.commands for log in logs])
+    apart = np.nanstd(commands[:, 0] - commands[:, 1])
+    together = np.nanstd(commands.sum(axis=1))
+    driven = np.nanmax(np.abs(commands), initial=0.0) > _LEAST_COMMAND
+    return bool(driven and apart <= max(_APART * together, _ROUNDING))
 
 
 def mended(log: VoyageLog, wiring: Wiring) -> VoyageLog:

@@ -14,7 +14,7 @@ from sil.scenario.law import LAWS
 def add_to(command: argparse.ArgumentParser, out: str) -> None:
     """Add a scenario and its overrides; `out` describes the folder of the results."""
     command.add_argument("scenario", help="a name in sil/scenarios, or the path of a .toml file")
-    command.add_argument("--out", type=filled_path, metavar="DIR", help=out)
+    command.add_argument("--out", type=nonempty_path, metavar="DIR", help=out)
     command.add_argument(
         "--seed", type=int, metavar="N", help="seed of every random number (the scenario's)"
     )
@@ -50,7 +50,7 @@ def add_workers_to(command: argparse.ArgumentParser) -> None:
     )
 
 
-def filled_path(text: str) -> Path:
+def nonempty_path(text: str) -> Path:
     """Parse a path; an empty one, as of an unset variable of the shell, is not this folder."""
     if text:
         return Path(text)

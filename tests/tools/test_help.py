@@ -9,12 +9,10 @@ import pytest
 
 TOOLS = Path(__file__).parents[2] / "tools"
 NEEDED = ("env", "bash", "sed", "dirname")
+NAMES = "bench build certify demo docs faults fixed flakes fuzz metal package reference setup"
 
 
-OF_HEADER = "bench build certify demo docs faults fixed flakes fuzz metal package reference setup"
-
-
-@pytest.mark.parametrize("name", OF_HEADER.split())
+@pytest.mark.parametrize("name", NAMES.split())
 def test_a_tool_asked_for_help_prints_it_and_starts_nothing(name: str, tmp_path: Path) -> None:
     programs = tmp_path / "bin"
     programs.mkdir()

@@ -143,8 +143,8 @@ class Fleet {
   bool asks_ = false;                               // without a table
   std::int64_t beacon_us_ = 0, table_us_ = kNever;  // due
   std::int64_t passed_us_ = kNever;                 // the newest table was last heard or sent
+  std::int64_t next_burst_us_ = kNever;             // of contradict(), at the earliest
   // when operators last stopped a member, and another one before; since this boat began to sail
-  std::int64_t next_burst_us_ = kNever;  // of contradict(), at the earliest
   std::int64_t last_stop_us_ = kNever, stop_before_us_ = kNever;
   std::uint8_t last_stopped_ = 0;  // system id of that member
   std::uint8_t system_ = 0;

@@ -56,6 +56,15 @@ def test_a_log_of_straights_alone_is_told_to_need_turns(trim: float, *, steady: 
         propeller_signs.find([sail(commands + np.array([trim, 0.0]), rng)])
 
 
+def test_small_turns_that_the_boat_answers_are_enough() -> None:
+    rng = np.random.default_rng(7)
+    ahead = 1.3 * np.clip(levels(rng, 400.0).mean(axis=1), -0.7, 0.7)
+    turn = 0.03 * np.sign(np.sin(np.arange(len(ahead)) / 10.0))
+    commands = np.column_stack([ahead + turn, ahead - turn])
+    assert np.std(2.0 * turn) < 0.1 * np.std(2.0 * ahead)
+    assert propeller_signs.find([sail(commands, rng)]).right
+
+
 def test_a_sum_in_one_column_is_refused() -> None:
     rng = np.random.default_rng(4)
     log = sail(levels(rng, 120.0), rng)
