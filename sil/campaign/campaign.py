@@ -46,6 +46,11 @@ class Campaign:
         """The campaign of a command line; ValueError if the options are invalid."""
         source = scenario.read(options.scenario, options.set, options.law)
         sampler = Sampler(source, options.seed)
+        if sampler.nominal.leader.voyage_room_m is not None:
+            raise ValueError(
+                f"{sampler.nominal.name}: a campaign judges boats by their slots, and the voyage "
+                "that measures a hull has none; sail it with: flotilla run"
+            )
         name, document = sampler.nominal.name, source.document
         parameters = arguments.parameters_of(options.param)
         if both := sampler.parameters & parameters.keys():

@@ -25,7 +25,7 @@ from sil.report import headline, run_report
 from sil.report.drawing import CAN_DRAW, Drawing
 from sil.scenario.scenario import Scenario
 from sil.view.history import boats_of
-from sil.view.recorded import history_of, said_of
+from sil.view.recorded import history_of, said_of, without_slots
 
 # Boats stop if their own state is 0.5 s old, the firmware's default.
 _LATE_US = 300_000
@@ -170,6 +170,7 @@ def _finish(
     save(out, summary, trace)
     pictures = drawing.pictures()
     if "voyage" in summary:
+        replayed = without_slots(replayed)
         pictures.pop("errors", None)
         (out / "errors.png").unlink(missing_ok=True)
     run_report.write(out, summary, trace, command, pictures, replayed)

@@ -19,6 +19,8 @@ from sil.view import history
 from sil.view.history import Boat
 from sil.view.said import Said, said_in, said_live
 
+_OF_SLOTS = ("slot_x_m", "slot_y_m", "error_m", "in_slot")
+
 
 def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any]:
     """The history of a folder of `flotilla run` or `flotilla live`; `length_m`: of its boats.
@@ -46,7 +48,8 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
         sailed = None  # not one of the project's scenarios
     there = recording.of_run(folder, digest)
     said = said_of(folder, trace, there, release_unix_s)
-    return history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, said, length_m)
+    told = history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, said, length_m)
+    return without_slots(told) if "voyage" in summary else told
 
 
 def said_of(
@@ -88,6 +91,14 @@ def history_of(
         for boat, vessel in zip(said.boats, told["vessels"][1:], strict=True):
             vessel.update(boat.told(kept_s))
     return told
+
+
+def without_slots(history: dict[str, Any]) -> dict[str, Any]:
+    """The same history without the boats' slots and errors, for a voyage that has none."""
+    for vessel in history["vessels"]:
+        for name in _OF_SLOTS:
+            vessel.pop(name, None)
+    return history
 
 
 def _boats(count: int, sailed: Scenario | None, said: Said | None) -> list[Boat]:

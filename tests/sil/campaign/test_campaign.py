@@ -306,6 +306,12 @@ def test_a_mistake_is_reported_in_one_line_and_changes_nothing(
     assert not out.exists()
 
 
+def test_a_voyage_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["campaign", "voyage", "--runs", "1", "--out", str(tmp_path / "out")]) == 2
+    assert_told_in_one_line("voyage: a campaign judges boats by their slots", capsys)
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_failed_run_reports_its_error_when_it_is_replayed(
     scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,6 +10,7 @@ from sil.cli.main import main
 from sil.live import live_world
 from sil.lockstep import metrics
 from sil.report import one_run
+from sil.view.recorded import history_of_run
 
 EARLIER = ("recording.bin", "boat1/flotillad.log", "boat1/state/parameters", "boat1/log/x.tlog")
 
@@ -92,3 +93,6 @@ def test_a_voyage_leaves_no_figures_of_a_formation(
     assert (tmp_path / "formation.png").exists() and not (tmp_path / "errors.png").exists()
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert page.count("<td>–</td>") == 5
+    boat = history_of_run(tmp_path)["vessels"][1]
+    assert "x_m" in boat and not {"slot_x_m", "error_m", "in_slot"} & boat.keys()
+    assert "&quot;x_m&quot;:&quot;" in page and "&quot;error_m&quot;:&quot;" not in page
