@@ -44,6 +44,18 @@ def test_links_and_files_that_a_page_names_are_there(page: Path) -> None:
     assert dead == []
 
 
+def test_the_functions_of_the_walk_are_in_the_files_that_it_names() -> None:
+    walk = (ROOT / "firmware" / "docs" / "WALK.md").read_text(encoding="utf-8")
+    steps = re.findall(r"^\| (\d+) \| `([\w:]+)` \| `([\w./]+)` \|", walk, re.M)
+    assert [int(number) for number, _, _ in steps] == list(range(1, len(steps) + 1))
+    assert len(steps) > 30
+    for _, function, file in steps:
+        source = (ROOT / file).read_text(encoding="utf-8")
+        *of, name = function.split("::")
+        assert re.search(rf"\b{name}\(", source), f"{file} lacks {function}"
+        assert all(re.search(rf"\b{room}\b", source) for room in of), f"{file} lacks {function}"
+
+
 def test_the_figure_of_the_readme_is_the_measured_one() -> None:
     measured = measurements.row("four 2 m catamarans")[1]
     assert f"four 2 m catamarans stay within {measured} RMS" in prose(PAGES[0])
