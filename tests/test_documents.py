@@ -44,6 +44,11 @@ def test_links_and_files_that_a_page_names_are_there(page: Path) -> None:
     assert dead == []
 
 
+def test_every_page_is_in_the_menu_of_the_site() -> None:
+    menu = (ROOT / "tools" / "mkdocs.yml").read_text(encoding="utf-8")
+    assert [page for page in PAGES if f": {page.relative_to(ROOT)}\n" not in menu] == []
+
+
 def test_the_functions_of_the_walk_are_in_the_files_that_it_names() -> None:
     walk = (ROOT / "firmware" / "docs" / "WALK.md").read_text(encoding="utf-8")
     steps = re.findall(r"^\| (\d+) \| `([\w:]+)` \| `([\w./]+)` \|", walk, re.M)
