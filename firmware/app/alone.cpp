@@ -195,7 +195,7 @@ core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
   PlanVessel<S>& sailed = pilot_.plan_vessel();
   auto reached = sailed.reached();
   if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
-  vehicle_.sailed(sailed.ahead(), reached, sailed.has_arrived(), counters_);
+  vehicle_.report_progress(sailed.ahead(), reached, sailed.has_arrived(), counters_);
   if (sailed.take_pause()) pause_plan(now.now_us);
   if (const auto set = sailed.take_home()) {
     const auto place = home_of(vehicle_.missions().plan()[*set]);

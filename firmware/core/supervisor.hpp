@@ -48,6 +48,38 @@ enum class Request : std::uint8_t {
 };
 constexpr std::size_t kRequests = 12;
 
+/// What a request does with the propellers.
+enum class RequestKind : std::uint8_t {
+  kNone,    ///< nothing
+  kStops,   ///< stops them
+  kArms,    ///< lets them turn later
+  kByHand,  ///< turns them by the sticks
+  kDrives,  ///< turns them without a pilot
+};
+
+constexpr RequestKind kind_of(Request request) {
+  switch (request) {
+    case Request::kNone:
+      return RequestKind::kNone;
+    case Request::kDisarm:
+    case Request::kHold:
+    case Request::kTerminate:
+      return RequestKind::kStops;
+    case Request::kArm:
+      return RequestKind::kArms;
+    case Request::kManual:
+      return RequestKind::kByHand;
+    case Request::kFormation:
+    case Request::kTest:
+    case Request::kAuto:
+    case Request::kGuided:
+    case Request::kLoiter:
+    case Request::kReturn:
+      break;
+  }
+  return RequestKind::kDrives;
+}
+
 /// Reactions to a loss, the most careful first.
 enum class Reaction : std::uint8_t {
   kHold,

@@ -251,8 +251,7 @@ bool is_stop(const Command& c) {
 }
 
 bool stops_boat(const Command& c) {
-  const Request request = meaning_of(c).request;
-  return request == Request::kDisarm || request == Request::kTerminate || request == Request::kHold;
+  return core::kind_of(meaning_of(c).request) == core::RequestKind::kStops;
 }
 
 bool stops_boat(const link::Message& message) {
@@ -262,6 +261,26 @@ bool stops_boat(const link::Message& message) {
   if (const auto* m = std::get_if<link::SetMode>(&message)) asked = *m;
   const auto command = command_of(asked);
   return command && stops_boat(*command);
+}
+
+/// Items of an upload overwrite nothing, because they are numbered.
+Effects effects_of(const RequestMessage& request, bool may_command) {
+  Effects out;
+  const auto command = command_of(request);
+  if (!command) {
+    out.overwrites = std::holds_alternative<link::ParamSet>(request) ||
+                     std::holds_alternative<link::MissionCount>(request) ||
+                     std::holds_alternative<link::MissionClearAll>(request);
+    return out;
+  }
+  const DecodedCommand asked = meaning_of(*command);
+  const bool stops = core::kind_of(asked.request) == core::RequestKind::kStops;
+  out.ends = is_stop(*command);
+  out.stops = may_command ? stops : out.ends;
+  out.asks_state = asked.request != Request::kNone;
+  out.reads = asked.reads_only();
+  out.overwrites = !out.reads;
+  return out;
 }
 
 DecodedCommand meaning_of(const Command& c) {

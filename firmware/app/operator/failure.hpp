@@ -4,6 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "link/mavlink/mav.hpp"
 
 namespace flotilla::app {
 
@@ -15,5 +19,26 @@ struct Failure {
 
 /// The host's answer, a MAV_RESULT. After the tick it takes accepted failures from the boat.
 using FailureJudge = std::uint8_t (*)(const Failure&);
+
+/// Without a judge, a boat supports no injected failures.
+class InjectedFailures {
+ public:
+  void let(FailureJudge by) { judge_ = by; }
+
+  /// Keeps a failure that the judge accepts until it is taken. A MAV_RESULT.
+  std::uint8_t answer(const Failure& failure) {
+    if (judge_ == nullptr) return link::mav::kUnsupported;
+    if (failure_) return link::mav::kTemporarilyRejected;
+    const std::uint8_t result = judge_(failure);
+    if (result == link::mav::kAccepted) failure_ = failure;
+    return result;
+  }
+
+  std::optional<Failure> take() { return std::exchange(failure_, std::nullopt); }
+
+ private:
+  FailureJudge judge_ = nullptr;
+  std::optional<Failure> failure_;
+};
 
 }  // namespace flotilla::app

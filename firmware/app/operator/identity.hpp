@@ -40,7 +40,7 @@ class Identity {
 
   /// Whether a request to this target is for the autopilot whose companion we are: if it is for
   /// the whole system.
-  bool is_autopilots(link::Address target) const { return companion_ && target.component == 0; }
+  bool is_for_autopilot(link::Address target) const { return companion_ && target.component == 0; }
 
   void heard(link::Address from, const link::Heartbeat& heartbeat, std::uint8_t leader,
              std::int64_t now_us) {

@@ -14,25 +14,25 @@ namespace flotilla::app {
 
 /// Kept small: a file request is stored decoded, not as received.
 struct PendingRequest {
+  PendingRequest() = default;
+  PendingRequest(std::int64_t time_us, const RequestMessage& request, link::Address sender,
+                 link::Address receiver, std::size_t on_link, bool obeyed = true)
+      : read_us(time_us),
+        message(request),
+        from(sender),
+        target(receiver),
+        link(static_cast<std::uint8_t>(on_link)),
+        may_command(obeyed),
+        effects(effects_of(request, obeyed)) {}
+
   std::int64_t read_us = 0;
   RequestMessage message{};
   link::Address from{};
   link::Address target{};
   std::uint8_t link = 0;
   bool may_command = true;
+  Effects effects{};
 };
-
-/// Disarms or terminates.
-inline bool ends(const PendingRequest& pending) {
-  const auto command = command_of(pending.message);
-  return command && is_stop(*command);
-}
-
-/// Disarms, terminates, or is a HOLD that is obeyed: must never be lost or postponed.
-inline bool stops(const PendingRequest& pending) {
-  const auto command = command_of(pending.message);
-  return command && (pending.may_command ? stops_boat(*command) : is_stop(*command));
-}
 
 /// First in, first out. A request that does not fit is counted; its sender repeats it. A stop
 /// always fits, in place of another request, and the latest stop wins; but HOLD never takes the
@@ -45,11 +45,13 @@ class Inbox {
       return;
     }
     ++counters.requests_dropped;
-    if (!stops(pending)) return;
-    auto given_up = last_not(stops);
-    if (given_up == pending_.size()) given_up = last_not(ends);
+    if (!pending.effects.stops) return;
+    auto given_up = last_without([](Effects effects) { return effects.stops; });
     if (given_up == pending_.size()) {
-      if (!ends(pending)) return;
+      given_up = last_without([](Effects effects) { return effects.ends; });
+    }
+    if (given_up == pending_.size()) {
+      if (!pending.effects.ends) return;
       --given_up;
     }
     const auto gap = pending_.begin() + static_cast<std::ptrdiff_t>(given_up);
@@ -92,16 +94,16 @@ class Inbox {
   }
 
  private:
-  /// The last one for which the predicate is false; their number if there is none.
-  template <class Predicate>
-  std::size_t last_not(Predicate predicate) const {
+  /// Index of the last request without this effect; pending_.size() if all have it.
+  template <class Effect>
+  std::size_t last_without(Effect effect) const {
     std::size_t i = pending_.size();
-    while (i > 0 && predicate(pending_[i - 1])) --i;
+    while (i > 0 && effect(pending_[i - 1].effects)) --i;
     return i > 0 ? i - 1 : pending_.size();
   }
 
-  /// Closes the gaps of those among the first `count` for which the predicate is true; returns how
-  /// many are left.
+  /// Removes the requests among the first `count` for which the predicate is true; returns how many
+  /// remain.
   template <class Predicate>
   std::size_t remove(std::size_t count, Predicate predicate) {
     std::size_t kept = 0;

@@ -82,7 +82,7 @@ class MavlinkLinks {
   bool next(std::size_t link, link::Received& out, std::int64_t now_us, link::Counters& counters) {
     Link& l = links_[link];
     while (l.decoder.has_bytes() && l.decoder.next(out, counters, signing_of(l))) {
-      if (l.policy != SigningPolicy::kRequired || out.is_signed || is_radios(link, out))
+      if (l.policy != SigningPolicy::kRequired || out.is_signed || is_from_radio(link, out))
         return true;
       ++counters.mavlink_unsigned_refused;
     }
@@ -91,7 +91,7 @@ class MavlinkLinks {
   }
 
   /// Whether this is a telemetry radio's RADIO_STATUS, on the serial line it is connected to.
-  bool is_radios(std::size_t link, const link::Received& received) const {
+  bool is_from_radio(std::size_t link, const link::Received& received) const {
     return std::holds_alternative<link::RadioStatus>(received.message) &&
            received.from.component == link::mav::kComponentRadio && !links_[link].datagrams;
   }

@@ -26,20 +26,20 @@ double share_of(std::uint16_t us) { return std::clamp((us - 1500) / 400.0, -1.0,
 
 }  // namespace
 
-bool RcInput::hears(std::uint8_t component, std::int64_t now_us) const {
-  const bool free = component_ == 0 || is_lost(component_) || !is_heard(now_us);
-  return (component == component_ || free) && !is_lost(component);
+bool RcInput::hears(std::uint8_t sender, std::int64_t now_us) const {
+  const bool free = sender_ == 0 || is_lost(sender_) || !is_heard(now_us);
+  return (sender == sender_ || free) && !is_lost(sender);
 }
 
 bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
-                   State state, std::int64_t now_us, std::uint8_t component) {
+                   State state, std::int64_t now_us, std::uint8_t sender) {
   const std::size_t needed = std::max<std::size_t>(kThrottle + 1, switch_channel);
   if (pulses_us.size() < needed || switch_channel == 0) return false;
   const std::uint16_t turned = pulses_us[switch_channel - 1U];
   const std::uint16_t steering = pulses_us[kSteering], throttle = pulses_us[kThrottle];
   const bool lost = throttle < kLostThrottle_us;
   if (!is_pulse(turned) || !is_pulse(steering) || !is_pulse(throttle) || lost) return false;
-  if (component != component_) *this = RcInput(component, lost_);
+  if (sender != sender_) *this = RcInput(sender, lost_);
   pilots_ = pilots(now_us);
   heard_us_ = now_us;
   sticks_ = {share_of(throttle), share_of(steering)};

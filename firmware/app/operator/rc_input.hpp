@@ -19,15 +19,15 @@ class RcInput {
  public:
   RcInput() = default;
 
-  /// Whether pulses of this sender count: only one sender's do until it has sent no valid ones for
-  /// half a second, or reports its receiver as lost. Of a transmitter the sender is a component, of
-  /// overrides a system.
-  bool hears(std::uint8_t component, std::int64_t now_us) const;
+  /// Whether this sender's pulses are used. One sender is kept until it sends no valid pulses for
+  /// 0.5 s or reports its receiver as lost. A sender is a component for RC_CHANNELS, a system for
+  /// RC_CHANNELS_OVERRIDE.
+  bool hears(std::uint8_t sender, std::int64_t now_us) const;
   /// Takes the pulses of channels 1 and up, µs; switch_channel counts from 1. False if a channel
   /// that is needed is missing or has no valid pulse, or if the throttle is that of a receiver
   /// without its transmitter.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
-            core::State state, std::int64_t now_us, std::uint8_t component = 0);
+            core::State state, std::int64_t now_us, std::uint8_t sender = 0);
   /// Notes the receiver's health, as reported by the component that sends its pulses: a receiver
   /// that has lost its transmitter may repeat its last pulses endlessly.
   void judge(std::uint8_t component, const link::SysStatus& status);
@@ -54,13 +54,13 @@ class RcInput {
 
   bool is_heard(std::int64_t now_us) const;
 
-  RcInput(std::uint8_t component, const Lost& lost) : lost_(lost), component_(component) {}
+  RcInput(std::uint8_t sender, const Lost& lost) : lost_(lost), sender_(sender) {}
 
   Sticks sticks_, rest_;
   std::int64_t heard_us_ = 0;                           // when the last valid pulses came
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
   Lost lost_;
-  std::uint8_t component_ = 0;  // in use
+  std::uint8_t sender_ = 0;  // in use
   std::optional<core::Request> asks_;
 };
 

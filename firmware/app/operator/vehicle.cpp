@@ -38,26 +38,6 @@ struct RequestOf {
   }
 };
 
-bool undoes_stop(const PendingRequest& pending) {
-  const auto command = command_of(pending.message);
-  return command && meaning_of(*command).request != Request::kNone;
-}
-
-/// Whether a late copy of this request could undo a newer one. Items of an upload cannot, because
-/// they are numbered; other requests change nothing.
-bool could_undo(const RequestMessage& request) {
-  const auto command = command_of(request);
-  return (command && !meaning_of(*command).reads_only()) ||
-         std::holds_alternative<link::ParamSet>(request) ||
-         std::holds_alternative<link::MissionCount>(request) ||
-         std::holds_alternative<link::MissionClearAll>(request);
-}
-
-bool asks_for_message(const PendingRequest& pending) {
-  const auto command = command_of(pending.message);
-  return command && meaning_of(*command).message;
-}
-
 }  // namespace
 
 Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& links,
@@ -96,7 +76,7 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   }
   // RADIO_STATUS comes unsigned and under any system id: trusted for the send buffer only.
   if (const auto* radio = std::get_if<link::RadioStatus>(&received.message)) {
-    if (!links_.is_radios(link, received)) return true;
+    if (!links_.is_from_radio(link, received)) return true;
     sender_.streams().radio_has_room(link, radio->txbuf, now_us);
     return true;
   }
@@ -107,8 +87,10 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   if (received.target.system != 0) forward(link, received, now_us, counters);
   if (!identity_.addressed(received.target)) return true;
   if (Setpoints::is_one(received.id)) setpoints_.heard(received.from, now_us);
-  if (take_rc(link, received, now_us)) return true;
-  if (received.target.system != 0 && !identity_.is_autopilots(received.target)) {
+  const RcPilots::Rules rules{configuration_.operators.rc_switch, self().system,
+                              is_for_us(received) && may_command(received.from)};
+  if (rc_.take(link, received, rules, supervisor_, now_us)) return true;
+  if (is_for_us(received)) {
     if (const auto why = refusal_of(received.id); !why.empty()) ignored_ = why;
   }
   if (const auto* sticks = std::get_if<link::ManualControl>(&received.message)) {
@@ -124,17 +106,13 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
 /// Keeps a request until the next tick answers it, unless it is a copy from another link.
 void Vehicle::keep(std::size_t link, const link::Received& received, const RequestMessage& request,
                    std::int64_t now_us, link::Counters& counters) {
-  const PendingRequest pending{now_us,
-                               request,
-                               received.from,
-                               received.target,
-                               static_cast<std::uint8_t>(link),
-                               may_command(received.from)};
+  const PendingRequest pending{now_us,          request, received.from,
+                               received.target, link,    may_command(received.from)};
   const bool copy = Setpoints::is_one(received.id)
                         ? pending.may_command && !setpoint_link_.takes(received.from, link, now_us)
-                        : could_undo(request) &&
+                        : pending.effects.overwrites &&
                               copies_.note_and_match(received, links_.frame(link), link, now_us);
-  if (!copy || stops(pending)) inbox_.push(pending, counters);
+  if (!copy || pending.effects.stops) inbox_.push(pending, counters);
 }
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
@@ -166,47 +144,10 @@ void Vehicle::take_sticks(std::size_t link, const link::Received& received,
     ++counters.mavlink_bad_value;
     return;
   }
-  const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
-  if (ours && !pilot_holds() && may_command(received.from) &&
+  if (is_for_us(received) && !rc_.hold(now_us_) && may_command(received.from) &&
       stick_link_.takes(received.from, link, now_us)) {
     supervisor_.take_sticks({*surge, *yaw}, received.from, now_us);
   }
-}
-
-/// Accepts RC from a receiver of the boat's own system, or from an operator who may command. False
-/// if the message is to be treated as any other.
-bool Vehicle::take_rc(std::size_t link, const link::Received& received, std::int64_t now_us) {
-  const auto channel = configuration_.operators.rc_switch;
-  RcInput* input = &transmitter_;
-  std::uint8_t component = 0;
-  std::span<const std::uint16_t> pulses_us;
-  if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
-    if (received.from.system != self().system) return true;
-    component = received.from.component;
-    if (!input->hears(component, now_us)) return true;
-    pulses_us = std::span(rc->pulses).first(std::min<std::size_t>(rc->chancount, 16));
-  } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
-    const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
-    if (!channel || !ours || !may_command(received.from)) return false;
-    component = received.from.system;
-    if (!override_.hears(component, now_us)) return true;
-    if (!override_link_.takes(received.from, link, now_us)) return true;
-    input = &override_;
-    pulses_us = given->pulses;
-  } else {
-    const auto* status = std::get_if<link::SysStatus>(&received.message);
-    if (status != nullptr && received.from.system == self().system) {
-      input->judge(received.from.component, *status);
-    }
-    return false;
-  }
-  const core::State state = supervisor_.state();
-  if (!channel || !input->hear(pulses_us, *channel, state, now_us, component)) return true;
-  const bool yields = input == &override_ && transmitter_.pilots(now_us);
-  if (const auto sticks = input->sticks(); sticks && !yields) {
-    supervisor_.take_sticks(*sticks, received.from, now_us, true);
-  }
-  return true;
 }
 
 bool Vehicle::may_command(link::Address from) const {
@@ -243,11 +184,9 @@ void Vehicle::stop(link::Counters& counters) {
 }
 
 void Vehicle::apply_rc(link::Counters& counters) {
-  const auto overrides = override_.take_request(supervisor_.state(), now_us_);
-  auto asked = transmitter_.take_request(supervisor_.state(), now_us_);
-  if (!asked && !transmitter_.pilots(now_us_)) asked = overrides;
+  const auto asked = rc_.take_request(supervisor_.state(), now_us_);
   if (asked == Request::kHold) {
-    note_stop();
+    stop_.note_pilots(now_us_);
     drop_orders(counters);
   }
   if (asked) request(*asked, counters);
@@ -267,8 +206,9 @@ bool Vehicle::obey(Request request, link::Counters& counters) {
 
 /// Drops waiting requests that would undo a stop.
 void Vehicle::drop_orders(link::Counters& counters) {
-  counters.requests_dropped += inbox_.drop(
-      [](const PendingRequest& pending) { return undoes_stop(pending) && !stops(pending); });
+  counters.requests_dropped += inbox_.drop([](const PendingRequest& pending) {
+    return pending.effects.asks_state && !pending.effects.stops;
+  });
 }
 
 bool Vehicle::obey_stop(link::Counters& counters) {
@@ -282,17 +222,16 @@ bool Vehicle::answer(link::Counters& counters) {
   using Taken = Inbox::Taken;
   const auto answer_one = [&](const PendingRequest& pending) {
     // Leave room for the heartbeat and the state. A stop is obeyed even without room to answer it.
-    const std::size_t kept = asks_for_message(pending) ? kKeptRoom : kOwnRoom;
-    if (links_.room(pending.link) < kept && !stops(pending)) return Taken::kKept;
+    const std::size_t kept = pending.effects.reads ? kKeptRoom : kOwnRoom;
+    if (links_.room(pending.link) < kept && !pending.effects.stops) return Taken::kKept;
     const State was = supervisor_.state();
     answer(pending, counters);
-    if (stops(pending)) return Taken::kStop;
+    if (pending.effects.stops) return Taken::kStop;
     return changed_ || supervisor_.state() != was ? Taken::kLast : Taken::kAnswered;
   };
   const auto is_void = [&](const PendingRequest& pending) {
-    const bool undone = undoes_stop(pending);
-    if (undone) ++counters.requests_dropped;
-    return undone;
+    if (pending.effects.asks_state) ++counters.requests_dropped;
+    return pending.effects.asks_state;
   };
   const bool more = inbox_.take_each(answer_one, is_void);
   if (!more && std::exchange(disarm_, false) &&
@@ -300,14 +239,6 @@ bool Vehicle::answer(link::Counters& counters) {
     announce_state(0, counters);
   }
   return more;
-}
-
-/// While a pilot's switch is on, an operator may only arm and stop the boat.
-bool Vehicle::is_barred(Request request) const {
-  using enum Request;
-  const bool drives = request == kTest || request == kFormation || request == kAuto ||
-                      request == kGuided || request == kLoiter || request == kReturn;
-  return drives && pilot_holds();
 }
 
 /// Refuses what a pilot's switch bars. Judges AUTO by the way from the boat's present place to the
@@ -372,7 +303,7 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     const auto* const why = is_barred(request)          ? "a pilot's switch is on"
                             : state == State::kFault    ? "FAULT, disarm first"
                             : state == State::kDisarmed ? "arm first"
-                            : state == State::kHold     ? "thrust is below THR_DEAD"
+                            : state == State::kHold     ? "motor test thrust is below THR_DEAD"
                                                         : "HOLD first";
     texts_.send(mav::kSeverityWarning, {what, why}, counters);
     return;

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
-#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -16,7 +15,8 @@
 #include "app/operator/identity.hpp"
 #include "app/operator/inbox.hpp"
 #include "app/operator/mavlink_links.hpp"
-#include "app/operator/rc_input.hpp"
+#include "app/operator/rc_pilots.hpp"
+#include "app/operator/recent_stop.hpp"
 #include "app/operator/router.hpp"
 #include "app/operator/sailing_orders.hpp"
 #include "app/operator/services/log_service.hpp"
@@ -66,7 +66,7 @@ class Vehicle {
   /// Another sender has used our ids within the last ten seconds.
   bool doubled(std::int64_t now_us) const { return identity_.doubled(now_us); }
 
-  /// The condition that a ground station is heard.
+  /// core::kGcsHeard and core::kGainsFit.
   core::Conditions conditions(std::int64_t now_us) const;
 
   /// Applies the automatic transitions, and announces them.
@@ -117,10 +117,10 @@ class Vehicle {
   const MissionService& missions() const { return missions_; }
   LogService& logs() { return logs_; }
 
-  /// Takes the progress of AUTO: the item ahead, and the last one reached. complete: the plan is at
-  /// its end.
-  void sailed(const PlanMark& ahead, std::optional<std::size_t> reached, bool complete,
-              link::Counters& counters);
+  /// Reports the progress of AUTO: the item ahead, and the last one reached. complete: the plan is
+  /// at its end.
+  void report_progress(const PlanMark& ahead, std::optional<std::size_t> reached, bool complete,
+                       link::Counters& counters);
 
   /// Disarms the boat in the next tick, after all other requests.
   void disarm() { disarm_ = true; }
@@ -135,8 +135,8 @@ class Vehicle {
   SaveRequest take_save_request() { return std::exchange(save_, SaveRequest::kNone); }
 
   /// Lets the host judge MAV_CMD_INJECT_FAILURE; without a judge the command is unsupported.
-  void let_failures_be_injected(FailureJudge by) { failure_judge_ = by; }
-  std::optional<Failure> take_failure() { return std::exchange(failure_, std::nullopt); }
+  void let_failures_be_injected(FailureJudge by) { failures_.let(by); }
+  std::optional<Failure> take_failure() { return failures_.take(); }
 
  private:
   static constexpr std::int64_t kSecond_us = 1'000'000;
@@ -145,7 +145,6 @@ class Vehicle {
   [[gnu::cold]] void take_sticks(std::size_t link, const link::Received& received,
                                  const link::ManualControl& sticks, std::int64_t now_us,
                                  link::Counters& counters);
-  bool take_rc(std::size_t link, const link::Received& received, std::int64_t now_us);
   [[gnu::cold]] void keep(std::size_t link, const link::Received& received,
                           const RequestMessage& request, std::int64_t now_us,
                           link::Counters& counters);
@@ -162,25 +161,22 @@ class Vehicle {
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_jump(DecodedCommand& asked);
   std::uint8_t answer_of_plan(DecodedCommand& asked, bool repeated);
-  /// Notes a stop by a pilot's switch: it counts on every link but those on which an operator's
-  /// recent stop does not, and is from no operator.
-  void note_stop() { stop_ = {now_us_, {}, was_just_stopped() ? stop_.links : std::uint8_t{0xFF}}; }
-  bool was_just_stopped() const {
-    return FLOTILLA_KEEPS_FLEET != 0 && now_us_ - stop_.us < 5 * kSecond_us;
-  }
-  void judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
   std::uint8_t answer_of_fence(DecodedCommand& asked, bool repeated);
-  std::uint8_t answer_of_failure(const Failure& failure);
   void acknowledge(const PendingRequest& pending, const Command& command, std::uint8_t result,
                    link::Counters& counters);
   void tell_decision(const DecodedCommand& asked, const Supervisor::Decision& decision,
                      link::Counters& counters);
   std::optional<PlanReport> plan_report() const;
   void refresh();
-  bool pilot_holds() const { return transmitter_.holds(now_us_) || override_.holds(now_us_); }
-  bool is_barred(core::Request request) const;
+  /// While a pilot's switch is on, an operator may only arm and stop the boat.
+  bool is_barred(core::Request request) const {
+    return core::kind_of(request) == core::RequestKind::kDrives && rc_.hold(now_us_);
+  }
+  bool is_for_us(const link::Received& received) const {
+    return received.target.system != 0 && !identity_.is_for_autopilot(received.target);
+  }
   void drop_orders(link::Counters& counters);
   Supervisor::Decision judge(core::Request request);
   std::optional<convert::Position> place() const;
@@ -205,7 +201,7 @@ class Vehicle {
   Router router_;
   Inbox inbox_;
   Copies copies_;
-  StreamLink stick_link_, override_link_, setpoint_link_;
+  StreamLink stick_link_, setpoint_link_;
   ParameterService parameter_service_;
   MissionService missions_;
   LogService logs_;
@@ -215,23 +211,15 @@ class Vehicle {
   StatusTexts texts_;
   TimesyncSender timesync_;
   SailingOrders orders_;
-  struct Stop {
-    std::int64_t us = std::numeric_limits<std::int64_t>::min() / 2;
-    link::Address by{};
-    std::uint8_t links = 0;  ///< on which it came, a bit mask
-    bool disarms = false;    ///< not only HOLD
-  };
-  Stop stop_;                           // the last request that stops the boat
+  RecentStop stop_;
   std::optional<std::size_t> reached_;  // last item reached
   Setpoints setpoints_;
-  RcInput transmitter_, override_;  ///< the transmitter goes first
-
+  RcPilots rc_;
   std::optional<std::int64_t> gcs_us_;  // last heartbeat of one that may command
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
   Heard heard_ = Heard::kNothing;
-  FailureJudge failure_judge_ = nullptr;
-  std::optional<Failure> failure_;
+  InjectedFailures failures_;
   bool disarm_ = false;
   std::string_view ignored_{};  // why a message since the last tick was ignored
   bool announce_ = false;       // the state has changed: send a heartbeat at once

@@ -11,25 +11,7 @@ using core::Request;
 /// Whether a request drives the boat or prepares it for driving. If such a request is addressed to
 /// the whole system, it is for the autopilot and not for its companion; one that stops the boat is
 /// for both.
-bool drives(Request request) {
-  switch (request) {
-    case Request::kNone:
-    case Request::kDisarm:
-    case Request::kHold:
-    case Request::kTerminate:
-      return false;
-    case Request::kArm:
-    case Request::kManual:
-    case Request::kFormation:
-    case Request::kTest:
-    case Request::kAuto:
-    case Request::kGuided:
-    case Request::kLoiter:
-    case Request::kReturn:
-      break;
-  }
-  return true;
-}
+bool drives(Request request) { return core::RequestKind::kStops < core::kind_of(request); }
 
 /// Whether a request lets the boat sail without a leader.
 bool sails_alone(Request request) {
@@ -67,7 +49,7 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
     links_.send(link, TimeRequests::answer_to(*timesync, from, pending.read_us), counters);
   } else if (const auto* ping = std::get_if<link::Ping>(&pending.message)) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
-  } else if (identity_.is_autopilots(pending.target)) {
+  } else if (identity_.is_for_autopilot(pending.target)) {
     return;
   } else if (is_of_logs(pending.message)) {
     answer_log(pending);
@@ -91,19 +73,19 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
   }
   const auto* local = std::get_if<link::SetPositionTargetLocalNed>(&pending.message);
   const bool placed = report_.own && report_.own->located;
-  Setpoint wish;
+  Setpoint setpoint;
   if (local == nullptr) {
-    wish = setpoint_of(std::get<link::SetPositionTargetGlobalInt>(pending.message));
+    setpoint = setpoint_of(std::get<link::SetPositionTargetGlobalInt>(pending.message));
   } else if (placed) {
-    wish = setpoint_of(*local, report_.own->state);
+    setpoint = setpoint_of(*local, report_.own->state);
   } else {
-    wish.why = "own position unknown";
+    setpoint.why = "own position unknown";
   }
   DecodedCommand asked{mav::kAccepted};
-  asked.why = wish.why;
-  asked.target = wish.target;
+  asked.why = setpoint.why;
+  asked.target = setpoint.target;
   if (asked.target) judge_target(asked);
-  const auto& drive = wish.drive;
+  const auto& drive = setpoint.drive;
   if (drive && drive->u != 0 && !is_speed(drive->u, configuration_.plan)) {
     asked.why = "speed not 0.05 to 5 m/s, or > LAW_U_MAX";
   }
@@ -220,27 +202,6 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked, bool repeated) {
   return mav::kAccepted;
 }
 
-/// A command to disarm wins over a request that comes after it in the same tick: whoever sent the
-/// request had not yet seen the boat disarmed. A request whose first copy was lost may arrive after
-/// a newer stop: so for 5 s, a request is refused on a link that did not carry the stop (or the stops
-/// of two operators), and a repeated one from another operator. The microcontroller's image has no
-/// room for this.
-void Vehicle::judge_order(const PendingRequest& pending, bool repeated, DecodedCommand& asked) {
-  if (asked.request == Request::kNone) return;
-  const auto link = static_cast<std::uint8_t>(1U << pending.link);
-  const bool others = pending.from != stop_.by;
-  const bool recent = was_just_stopped();
-  const bool after_disarm = stop_.disarms && pending.read_us <= stop_.us;
-  if (!drives(asked.request)) {
-    const unsigned links = !recent ? link : others ? stop_.links & link : stop_.links | link;
-    stop_ = {now_us_, pending.from, static_cast<std::uint8_t>(links),
-             after_disarm || asked.request != Request::kHold};
-  } else if (after_disarm || (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
-    asked = {mav::kTemporarilyRejected};
-    asked.why = "boat was just stopped: ask again in 5 s";
-  }
-}
-
 void Vehicle::execute(const PendingRequest& pending, const Command& command,
                       link::Counters& counters) {
   const std::size_t link = pending.link;
@@ -248,17 +209,21 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(supervisor_.state());
   const bool of_plan = asked.item || asked.paused || asked.target || asked.fence;
-  const bool autopilots = drives(asked.request) || of_plan || unknown || at_rest;
-  if (identity_.is_autopilots(command.target) && autopilots) return;
+  const bool leave = drives(asked.request) || of_plan || unknown || at_rest;
+  if (identity_.is_for_autopilot(command.target) && leave) return;
   if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
     asked = {mav::kDenied};
   }
-  if (asked.failure && failure_judge_ != nullptr) asked.result = answer_of_failure(*asked.failure);
+  if (asked.failure) asked.result = failures_.answer(*asked.failure);
   if (asked.request == Request::kFormation && setpoints_.come_from(pending.from, now_us_)) {
     asked = {mav::kDenied};
     asked.why = "mode 6 after setpoints is OFFBOARD";
   }
-  judge_order(pending, command.repeated, asked);
+  if (asked.request != Request::kNone &&
+      !stop_.admits(pending, asked.request, command.repeated, now_us_)) {
+    asked = {mav::kTemporarilyRejected};
+    asked.why = "boat was just stopped: ask again in 5 s";
+  }
   if (asked.target) judge_target(asked);
   Supervisor::Decision decision{true, false, 0};
   if (asked.request == Request::kArm) warn_of_signing(counters);
@@ -287,13 +252,6 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
   tell_decision(asked, decision, counters);
-}
-
-std::uint8_t Vehicle::answer_of_failure(const Failure& failure) {
-  if (failure_) return mav::kTemporarilyRejected;
-  const std::uint8_t result = failure_judge_(failure);
-  if (result == mav::kAccepted) failure_ = failure;
-  return result;
 }
 
 void Vehicle::acknowledge(const PendingRequest& pending, const Command& command,
@@ -331,7 +289,7 @@ std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageR
     const link::MessageInterval interval{sender_.streams().interval_us(link, id), id};
     return first ? std::optional<link::Message>(interval) : std::nullopt;
   }
-  if (identity_.companion() && !is_companions(request.id)) return std::nullopt;
+  if (identity_.companion() && !is_sent_by_companion(request.id)) return std::nullopt;
   if (request.id != link::AvailableModes::kId || request.index == 0) {
     return compose(request.id, turn, report_);
   }
@@ -340,7 +298,7 @@ std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageR
 
 std::uint8_t Vehicle::answer_of(std::size_t link, const MessageRequest& request) const {
   if (requested(link, request, 0)) return mav::kAccepted;
-  const bool companion = identity_.companion() && !is_companions(request.id);
+  const bool companion = identity_.companion() && !is_sent_by_companion(request.id);
   const bool no_such_mode = request.id == link::AvailableModes::kId;
   const bool later = can_compose(request.id) && !companion && !no_such_mode;
   return later ? mav::kTemporarilyRejected : mav::kUnsupported;
@@ -356,8 +314,7 @@ void Vehicle::send_requested(std::size_t link, const MessageRequest& request,
 void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet& asked,
                             link::Counters& counters) {
   const std::size_t link = pending.link;
-  const bool autopilots = identity_.is_autopilots(pending.target);
-  if (autopilots && !ParameterService::knows(asked)) return;
+  if (identity_.is_for_autopilot(pending.target) && !ParameterService::knows(asked)) return;
   const SetResult result = parameter_service_.set(
       link, pending.from, asked, parameters_, {core::armed(supervisor_.state()), self().system});
   switch (result.outcome) {

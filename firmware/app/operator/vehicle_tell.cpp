@@ -51,8 +51,8 @@ std::optional<PlanReport> Vehicle::plan_report() const {
                     missions_.id(Stored::kRally)};
 }
 
-void Vehicle::sailed(const PlanMark& ahead, std::optional<std::size_t> reached, bool complete,
-                     link::Counters& counters) {
+void Vehicle::report_progress(const PlanMark& ahead, std::optional<std::size_t> reached,
+                              bool complete, link::Counters& counters) {
   missions_.sailed(ahead, complete);
   if (std::exchange(reached_, reached) == reached || !reached) return;
   links_.broadcast(link::MissionItemReached{static_cast<std::uint16_t>(*reached)}, counters);

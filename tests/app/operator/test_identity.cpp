@@ -27,7 +27,7 @@ TEST_CASE("a message is for us by our ids or by zeros, and for others by theirs"
                                    static_cast<std::uint8_t>(component)};
         const bool ours = (system == 0 || system == 7) && (component == 0 || component == 191);
         REQUIRE(boat.addressed(target) == ours);
-        REQUIRE(boat.is_autopilots(target) == (companion && component == 0));
+        REQUIRE(boat.is_for_autopilot(target) == (companion && component == 0));
       }
     }
   }

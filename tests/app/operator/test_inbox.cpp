@@ -157,14 +157,14 @@ TEST_CASE("no stop is ever lost in a full inbox, nor answered before earlier req
     for (auto n = random() % most; n > 0; --n) {
       PendingRequest one =
           random() % 8 == 0 ? stop(random()) : command(mav::kCmdComponentArmDisarm, 1);
-      if (stops(one) && owed == kHolds) continue;  // enough stops are waiting already
+      if (one.effects.stops && owed == kHolds) continue;  // enough stops are waiting already
       one.read_us = static_cast<std::int64_t>(++pushed);
-      owed += stops(one) ? 1U : 0U;
+      owed += one.effects.stops ? 1U : 0U;
       inbox.push(one, counters);
     }
     std::int64_t latest_other = 0, latest_stop = 0;
     take(inbox, [&](const PendingRequest& one) {
-      if (stops(one)) {
+      if (one.effects.stops) {
         REQUIRE(one.read_us > latest_other);
         latest_stop = std::max(latest_stop, one.read_us);
       } else {
@@ -175,15 +175,15 @@ TEST_CASE("no stop is ever lost in a full inbox, nor answered before earlier req
       const auto chance = random() % 4;
       if (chance == 0) return kKept;
       ++taken;
-      owed -= stops(one) ? 1U : 0U;
-      stops_taken += stops(one) ? 1U : 0U;
+      owed -= one.effects.stops ? 1U : 0U;
+      stops_taken += one.effects.stops ? 1U : 0U;
       return chance == 1 && random() % 4 == 0 ? kLast : kAnswered;
     });
   }
   std::size_t left = 0;
   for (const PendingRequest& one : all(inbox)) {
     ++left;
-    owed -= stops(one) ? 1U : 0U;
+    owed -= one.effects.stops ? 1U : 0U;
   }
   CHECK(owed == 0);
   CHECK(stops_taken > 1000);
@@ -231,20 +231,19 @@ TEST_CASE("HOLD displaces no disarm, and displaces another request only if it is
   Inbox inbox;
   link::Counters counters;
   for (std::size_t i = 0; i < kHolds; ++i) inbox.push(command(7), counters);
-  PendingRequest strangers = hold();
-  strangers.may_command = false;
-  CHECK_FALSE(stops(strangers));
+  const PendingRequest strangers(0, hold().message, {255, 190}, {1, 1}, 0, false);
+  CHECK_FALSE(strangers.effects.stops);
   inbox.push(strangers, counters);
   inbox.push(command(mav::kCmdComponentArmDisarm, 0), counters);
   for (std::size_t i = 0; i < 2 * kHolds; ++i) inbox.push(hold(), counters);
   auto kept = all(inbox);
   REQUIRE(kept.size() == kHolds);
   CHECK(id_of(kept[0]) == mav::kCmdComponentArmDisarm);
-  CHECK(std::ranges::all_of(kept, stops));
+  CHECK(std::ranges::all_of(kept, [](const PendingRequest& one) { return one.effects.stops; }));
   for (std::size_t i = 0; i < 2 * kHolds; ++i) inbox.push(stop(6), counters);
   inbox.push(hold(), counters);
   kept = all(inbox);
-  CHECK(std::ranges::all_of(kept, ends));
+  CHECK(std::ranges::all_of(kept, [](const PendingRequest& one) { return one.effects.ends; }));
 }
 
 TEST_CASE("of many stops the last one decides, however full the inbox was") {

@@ -77,7 +77,7 @@ static_assert(std::ranges::count(kStreams, Pace::kState, &StreamInfo::pace) == 2
               kStreams[1].pace == Pace::kState && kStreams[2].pace == Pace::kState);
 
 /// Whether a companion of an autopilot may send that message.
-constexpr bool is_companions(std::uint16_t id) {
+constexpr bool is_sent_by_companion(std::uint16_t id) {
   for (const StreamInfo& info : kStreams) {
     if (info.id == id) return info.companion;
   }

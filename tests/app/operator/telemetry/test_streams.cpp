@@ -102,15 +102,15 @@ TEST_CASE(
                      id == link::MavEscInfo::kId || id == link::NamedValueFloat::kId ||
                      id == link::FormationReference::kId || id == link::FormationFuture::kId;
     CAPTURE(id);
-    CHECK(is_companions(id) == may);
+    CHECK(is_sent_by_companion(id) == may);
     const bool asked = kStreams[stream].pace == Pace::kOnRequest;
     CHECK((streams.interval_us(0, id) != 0) == may);
     CHECK((sent(streams, stream, 0, 0, 10 * kSecond_us) > 0) == (may && !asked));
     CHECK(streams.set(1, id, kSecond_us, 0) == may);
     CHECK((sent(streams, stream, 1, 0, 10 * kSecond_us) > 0) == may);
   }
-  CHECK_FALSE(is_companions(link::Odometry::kId));
-  CHECK(is_companions(link::AvailableModes::kId));
+  CHECK_FALSE(is_sent_by_companion(link::Odometry::kId));
+  CHECK(is_sent_by_companion(link::AvailableModes::kId));
 }
 
 TEST_CASE("intervals are set for each link: −1 none, 0 the default, otherwise as requested") {
