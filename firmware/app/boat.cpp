@@ -257,7 +257,7 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
                             can_.esc_status(propulsion.stbd_esc, now_us)}});
   if (limits_.take_late_home()) {
     vehicle_.texts().send(link::mav::kSeverityWarning,
-                          {"home is here: the place of arming was not known"}, counters_);
+                          {"home set here: no good position at arming"}, counters_);
   }
   if (place) alone_.look_for_rally(*place, now_us);
   look_at_fence(place, now_us);

@@ -66,8 +66,8 @@ void Membership::tell(std::int64_t now_us) {
   if (const auto table = fleet().table(now_us)) links_.broadcast(*table, counters_);
   if (const auto epoch = fleet().take_epoch()) {
     Sentence text;
-    text << "fleet table " << static_cast<float>(*epoch) << " is in force"
-         << (fleet().is_member() ? "" : ", without this boat");
+    text << "fleet table " << static_cast<float>(*epoch) << " active"
+         << (fleet().is_member() ? "" : "; this boat is not in it");
     vehicle_.texts().send(link::mav::kSeverityInfo, {text.text()}, counters_);
   }
   if (const auto refused = fleet().take_refusal()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether the law's numbers stay within its scalar's range, and are numbers.
+// Detects overflow and NaN in the law's arithmetic.
 #pragma once
 
 #include <utility>

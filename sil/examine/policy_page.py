@@ -10,6 +10,6 @@ PAGE = ROOT / "sil" / "docs" / "POLICIES.md"
 
 def table() -> str:
     """The rules, each as a row of a Markdown table."""
-    lines = ["| about | what holds in every tick |", "|---|---|"]
+    lines = ["| group | rule |", "|---|---|"]
     lines += [f"| {group} | {name} |" for group, name in flotilla.policies()]
     return "\n".join(lines)

@@ -105,7 +105,8 @@ def choice_table() -> str:
             held = after("FORMATION", "nothing", [lost], chosen)
             free = after("FORMATION", "nothing", [lost, "sticks_fresh"], chosen)
             then = f"{free}, then `FS_COAST_ACT` decides" if free == "COAST" else free
-            rows.append([name, f"no `{lost}`", then, held if held != free else then])
+            when = f"no `{lost}`" if lost != "leader_fresh" else "any `leader_…` condition lost"
+            rows.append([name, when, then, held if held != free else then])
     return table(("choice", "when", "FORMATION goes to", "with fresh sticks"), rows)
 
 
@@ -114,7 +115,7 @@ def transition_table() -> str:
     rows = [
         [
             "any" if len(row["from"]) == len(flotilla.STATES) else ", ".join(row["from"]),
-            row["request"],
+            "automatic" if row["request"] == "nothing" else row["request"],
             ", ".join(row["needs"]),
             ", ".join(row["lacks"]),
             ", ".join(row["on"]),
@@ -122,7 +123,10 @@ def transition_table() -> str:
         ]
         for row in flotilla.supervisor_table()
     ]
-    return table(("in state", "asked", "all of", "and not all of", "chosen", "goes to"), rows)
+    return table(
+        ("state", "request", "requires", "and at least one unmet", "failsafe action", "next state"),
+        rows,
+    )
 
 
 def edges() -> dict[tuple[str, str], list[str]]:

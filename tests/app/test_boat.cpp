@@ -106,7 +106,7 @@ TEST_CASE_TEMPLATE("leader silent: the boat coasts from the timeout on, then bot
   while (h.boat.state() == State::kFormation) h.step();
   CHECK(h.now_us == last_us + 1'000'000);
   CHECK(h.boat.state() == State::kCoast);
-  CHECK(h.says("COAST: leader's state is not fresh"));
+  CHECK(h.says("COAST: leader lost or origin unknown"));
   const auto greatest = [&h] { return std::max(std::abs(h.raw.cmd[0]), std::abs(h.raw.cmd[1])); };
   while (h.boat.state() == State::kCoast) {
     REQUIRE(h.arming == 255);
@@ -116,7 +116,7 @@ TEST_CASE_TEMPLATE("leader silent: the boat coasts from the timeout on, then bot
   }
   CHECK(h.now_us == last_us + 6'000'000);
   CHECK(h.boat.state() == State::kHold);
-  CHECK(h.says("HOLD: FS_COAST_S elapsed"));
+  CHECK(h.says("HOLD: FS_COAST_S elapsed, or position lost"));
   CHECK(h.stopped());
   h.leader_talks = true;
   h.sail(2);
@@ -344,7 +344,7 @@ TEST_CASE_TEMPLATE(
   h.arm(21196);
   h.step();
   CHECK(h.boat.state() == State::kDisarmed);
-  CHECK(h.says("PreArm: ESCs"));
+  CHECK(h.says("PreArm: an ESC"));
   CHECK(h.arming == 0);
 }
 

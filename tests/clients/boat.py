@@ -15,8 +15,8 @@ from sil.live.free_port import free_port
 from tests.linux.process import LOOPBACK, PATIENT, RealSea
 from tests.target.stations import BOAT
 
-ESCS_SILENT = "PreArm: ESCs are not online"
-OWN_STATE_STALE = "armed, no FORMATION: own state is not fresh"
+ESCS_SILENT = "PreArm: an ESC is offline or reports a fault"
+OWN_STATE_STALE = "armed, no FORMATION: no recent navigation data"
 
 
 #: A test with this mark runs with each value of MAV_AUTOPILOT.

@@ -65,8 +65,8 @@ def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy,
         "FOLLOW": "Mode FOLLOW",
         "6": "Mode FOLLOW",
         "HOLD": "COMMAND_ACK: DO_SET_MODE: ACCEPTED",
-        "AUTO": "Refused: no plan, or outside fence or 1 km away",
-        "MANUAL": "Refused: no sticks (MANUAL_CONTROL or RC)",
+        "AUTO": "Refused: no plan, or it cannot be sailed now",
+        "MANUAL": "Refused: no MANUAL_CONTROL or RC input",
     }.get(mode, "Refused: use mode 0, 4, 5, 6, 10, 11 or 15")
     ready.tell(f"mode {mode}", answer)
     formation = mode in {"FOLLOW", "6"}

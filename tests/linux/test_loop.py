@@ -188,7 +188,7 @@ def test_a_process_that_was_stopped_does_not_drive_on_stale_input(sea: RealSea) 
     woken = [(can_id, data) for _, can_id, data in sea.heard[before:]]
     assert {commands([f]) for f in of_type(woken, RAW_COMMAND)} == {(0, 0)}
     assert sea.state == "HOLD"
-    assert "HOLD: own state is not fresh" in sea.texts()
+    assert "HOLD: no recent navigation data" in sea.texts()
 
     sea.enter_formation()  # the operator says so
 

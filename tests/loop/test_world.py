@@ -94,7 +94,7 @@ def test_noisy_sensors_and_slow_propellers_keep_the_formation(sail: Sail) -> Non
 
 def test_boats_that_hear_no_leader_do_not_start_and_give_the_reason(tmp_path: Path) -> None:
     deaf = scenario.load("diamond", ["link.loss=1.0"])
-    with pytest.raises(StartError, match=r"boat 1: Refused: leader's state is not fresh"):
+    with pytest.raises(StartError, match=r"boat 1: Refused: leader lost or origin unknown"):
         World(deaf, {}).run(tmp_path / "recording.bin", lambda _: None)
     assert not list(tmp_path.iterdir()), "half a recording was left behind"
 
@@ -252,7 +252,7 @@ def test_runs_that_cannot_start_give_the_reason_and_the_others_sail_on() -> None
     first, second, third, fourth = sail_together([well, deaf, wrong, well], {}, digest=True)
     assert isinstance(second, StartError) and isinstance(third, StartError)
     for boat in range(1, 5):
-        assert f"boat {boat}: Refused: leader's state is not fresh" in str(second)
+        assert f"boat {boat}: Refused: leader lost or origin unknown" in str(second)
     assert "LAW_KX = 99" in str(third)
     assert isinstance(first, Run) and isinstance(fourth, Run)
     (alone,) = sail_together([well], {}, digest=True)

@@ -36,8 +36,8 @@ def test_a_silent_leader_is_followed_for_fs_coast_s_with_thrust_that_never_grows
     assert abs(sea.ticks[-1].now_us - begun_us - coast_s * 1e6) <= sea.period_us
     assert sea.state == "HOLD" and sea.commands == (0, 0)
     assert texts(sea.ticks)[-2:] == [
-        "COAST: leader's state is not fresh",
-        "HOLD: FS_COAST_S elapsed",
+        "COAST: leader lost or origin unknown",
+        "HOLD: FS_COAST_S elapsed, or position lost",
     ]
 
 
@@ -123,7 +123,7 @@ def test_after_a_lost_leader_manual_is_entered_only_if_the_operator_holds_the_st
         sea.step()
     assert sea.state == ("MANUAL" if held else "HOLD")
     assert not any(sea.commands)
-    assert f"{sea.state}: leader's state is not fresh" in texts(sea.ticks)
+    assert f"{sea.state}: leader lost or origin unknown" in texts(sea.ticks)
     assert texts(sea.ticks).count("MANUAL: centre the sticks first") == held
     if held:
         drive(sea, 0, 0, 0.1)
@@ -140,5 +140,5 @@ def test_a_boat_whose_leader_was_lost_before_it_ever_pushed_does_not_push() -> N
     sea.mode(FORMATION)
     assert sea.state == "FORMATION"
     ticks = sea.run(6.0)
-    assert "COAST: leader's state is not fresh" in texts(ticks)
+    assert "COAST: leader lost or origin unknown" in texts(ticks)
     assert not any(any(tick.commands) for tick in ticks) and sea.state == "HOLD"

@@ -48,10 +48,10 @@ def a_low_battery(sea: Sea) -> None:
 
 
 LACKS: dict[Callable[[Sea], None], str] = {
-    no_own_state: "own state is not fresh",
-    an_own_state_that_comes_late: "own state is not fresh",
-    an_own_state_that_jumps: "own state jumps",
-    no_leader: "leader's state is not fresh",
+    no_own_state: "no recent navigation data",
+    an_own_state_that_comes_late: "no recent navigation data",
+    an_own_state_that_jumps: "jump in navigation data",
+    no_leader: "leader lost or origin unknown",
     a_low_battery: "battery is below FS_BATT_V, or unknown",
 }
 
@@ -123,7 +123,7 @@ def test_from_outside_the_fence_a_boat_is_armed_again_and_driven() -> None:
     tick = sea.arm()
     assert acks(tick) == [(ARM, ACCEPTED)]
     said = words([tick])
-    assert ONLY + "outside fence, or position unknown" in said
+    assert ONLY + "fence: outside, ahead, or no position" in said
     drive(sea, 0, 0, 0.3)
     sea.mode(MANUAL)
     drive(sea, -500)
@@ -145,7 +145,7 @@ def test_a_unit_that_is_first_heard_after_arming_counts_where_its_link_is_named(
     sea.run(3.0)
     if not named:
         assert not sea.condition("own_fresh")
-        assert "own states ignored: disarm, or set NAV_LINK" in texts(sea.ticks)
+        assert "navigation data ignored: disarm, or set NAV_LINK" in texts(sea.ticks)
         sea.disarm()
         sea.run(1.0)
         sea.enter_hold()
@@ -188,7 +188,7 @@ def test_a_failsafe_that_leads_to_manual_waits_for_a_pilot_who_holds_full_ahead(
     ticks = drive(sea, 1000, 0, 3.0)
     at = next(k for k, t in enumerate(ticks) if CENTRE in texts([t]))
     assert sea.state == "MANUAL" and {t.commands for t in ticks[at:]} == {(0, 0)}
-    assert texts(ticks)[-2:] == ["MANUAL: leader's state is not fresh", CENTRE]
+    assert texts(ticks)[-2:] == ["MANUAL: leader lost or origin unknown", CENTRE]
     drive(sea, 0, 0, 0.1)
     drive(sea, 1000)
     assert all(c > 0 for c in sea.commands)

@@ -270,7 +270,7 @@ def test_auto_is_judged_from_where_the_boat_has_sailed_meanwhile() -> None:
 def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
     sea = fenced([at(50, 0)], box(50, 0, 20))
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert "Refused: outside fence, or position unknown" in words(sea.ticks)
+    assert "Refused: fence: outside, ahead, or no position" in words(sea.ticks)
     before = len(sea.ticks)
     sea.say(sticks(0, 0))
     sea.mode(MANUAL)
@@ -303,7 +303,7 @@ def test_a_boat_whose_leader_leaves_the_fence_stops_inside_it(
     assert send(sea, FENCE, fence) == ITEM_ACCEPTED
     sea.enter_formation()
     sea.run_until("HOLD", 30.0)
-    assert texts([sea.ticks[-1]]) == ["HOLD: outside fence, or position unknown"]
+    assert texts([sea.ticks[-1]]) == ["HOLD: fence: outside, ahead, or no position"]
     assert beyond(*place(sea)) > -1.0 - 2.5 * speed, "not sooner than it must"
     sea.run(5.0)
     assert beyond(*place(sea)) < 0 and not any(sea.commands)
@@ -355,7 +355,7 @@ def test_a_target_behind_a_fence_is_refused_and_rtl_goes_round_it() -> None:
     assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
     sea.mode(RTL)
     sea.run(20.0)
-    assert "straight path crosses the fence: going round it" in words(sea.ticks)
+    assert "straight path crosses the fence: detour" in words(sea.ticks)
     assert sea.state == "RTL" and abs(place(sea)[1]) > 2
 
 
@@ -370,7 +370,7 @@ def test_guided_without_a_target_stops_before_a_wall_and_does_not_go_round_it(ga
         sea.run(0.1)
     assert acks(sea.mode(GUIDED)) == [(SET_MODE, ACCEPTED)]
     sea.run(30.0)
-    assert sea.state == "GUIDED" and not any("going round" in text for text in words(sea.ticks))
+    assert sea.state == "GUIDED" and not any("detour" in text for text in words(sea.ticks))
     assert place(sea) == pytest.approx((40 - gap_m, 0), abs=0.5)
 
 

@@ -19,7 +19,7 @@ def member() -> Sea:
     sea.enter_formation()
     sea.boat.on_mavlink(table_message(3, FLEET), sea.now_us)
     sea.run(1.5)
-    assert "fleet table 3 is in force" in texts(sea.ticks)
+    assert "fleet table 3 active" in texts(sea.ticks)
     return sea
 
 
@@ -60,7 +60,7 @@ def test_a_follower_that_a_new_table_leaves_out_stops() -> None:
         table_message(4, [FLEET[0], Member(3, 1, (-4.0, 4.0), LENGTH_M)]), sea.now_us
     )
     assert_stopped(sea)
-    assert "fleet table 4 is in force, without this boat" in texts(sea.ticks)
+    assert "fleet table 4 active; this boat is not in it" in texts(sea.ticks)
 
 
 def test_a_stop_counts_though_its_places_overlap() -> None:
@@ -129,7 +129,7 @@ def test_with_an_operators_system_id_a_stranger_gives_no_first_table(stop: bool)
     sea.boat.on_mavlink(table_message(1, theirs, stop=stop, sender=(77, 1)), sea.now_us)
     sea.run(2.0)
     assert sea.state == "FORMATION"
-    assert "fleet table 1 is in force" not in texts(sea.ticks)
+    assert "fleet table 1 active" not in texts(sea.ticks)
 
 
 def test_with_an_operators_system_id_the_leader_may_give_the_first_table() -> None:
@@ -137,4 +137,4 @@ def test_with_an_operators_system_id_the_leader_may_give_the_first_table() -> No
     sea.enter_formation()
     sea.boat.on_mavlink(table_message(1, FLEET, sender=(1, 1)), sea.now_us)
     sea.run(2.0)
-    assert "fleet table 1 is in force" in texts(sea.ticks)
+    assert "fleet table 1 active" in texts(sea.ticks)

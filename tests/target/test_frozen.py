@@ -57,7 +57,7 @@ def test_an_own_state_that_sticks_stops_a_boat_within_half_a_second(period_us: i
     freeze(sea, "own")
     seconds_until(sea, "own_live", False, 0.55)
     assert sea.state == "HOLD" and sea.commands == (0, 0)
-    assert any("own state is frozen" in text for text in texts(sea.ticks))
+    assert any("navigation data frozen" in text for text in texts(sea.ticks))
     assert sea.condition("own_fresh")
     del sea.own.measured
     seconds_until(sea, "own_live", True, 0.5)

@@ -67,7 +67,7 @@ def assert_refused(sea: Sea, why: str) -> None:
 
 
 RING = "leaders form a cycle"
-TAKEN = "slot is taken, or needs sailing astern"
+TAKEN = "slot is taken, or moves astern in turns"
 
 
 def test_leader_that_follows_this_boat_is_not_followed() -> None:
@@ -228,7 +228,7 @@ def test_boat_deeper_than_form_depth_reports_it_when_armed(
     sea.enter_hold()
     told(sea, reference(sea, path), LEADER, 2.0)
     said = [text for text in texts(sea.ticks) if "FORM_DEPTH" in text]
-    assert said == ["tree depth is 4, FORM_DEPTH is 3"] * says
+    assert said == ["formation depth 4 exceeds FORM_DEPTH 3"] * says
 
 
 @pytest.mark.parametrize("north", [0.0, -4.0])

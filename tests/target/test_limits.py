@@ -15,7 +15,7 @@ from tests.target.sea import PAPER, Sea, at_sea, texts
 from tests.target.stations import FORMATION, MANUAL
 from tests.target.test_long_texts import words
 
-LOW, FAR = "battery is below FS_BATT_V, or unknown", "outside fence, or position unknown"
+LOW, FAR = "battery is below FS_BATT_V, or unknown", "fence: outside, ahead, or no position"
 GEOFENCE, BATTERY, PREARM = 1 << 20, 1 << 25, 1 << 28
 
 

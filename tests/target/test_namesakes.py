@@ -14,7 +14,7 @@ from tests.target.sea import Sea, Tick, acks, named, texts
 from tests.target.stations import ARM, BOAT, MANUAL, Station, command_long, heartbeat, odometry
 from tests.target.two_links import OTHER, TO_OTHER, known, sent
 
-DOUBLE = "another sender"
+DOUBLE = "another sender uses this boat's system"
 
 
 def doubles(ticks: list[Tick], link: int = 0) -> list[Any]:
@@ -119,7 +119,7 @@ def test_a_boat_does_not_arm_while_another_uses_its_system_id() -> None:
     sea.say(heartbeat(), sender=double)
     ticks = [sea.arm()]
     assert sea.state == "DISARMED"
-    assert "PreArm: system id is used twice" in texts(ticks)
+    assert "PreArm: another sender uses this boat's ids" in texts(ticks)
     sea.run(10.1)
     sea.enter_hold()
 
@@ -148,4 +148,4 @@ def test_own_states_on_a_second_link_are_ignored_and_reported() -> None:
     sea = Sea(links=2)
     sea.run(1.0)
     sea.say(odometry(sea.own.truth(sea.now_us), sea.now_us), sender=sea.own.station, link=1)
-    assert "own states ignored: disarm, or set NAV_LINK" in texts(sea.run(0.5))
+    assert "navigation data ignored: disarm, or set NAV_LINK" in texts(sea.run(0.5))

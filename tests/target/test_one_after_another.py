@@ -99,7 +99,7 @@ def test_a_changed_fs_nav_s_applies_to_an_arming_in_the_same_tick(sea: Sea, chun
     assert sea.condition("own_fresh")
     say(sea, chunks, param_set("FS_NAV_S", 0.05), command_long(ARM, 1.0))
     tick = sea.step()
-    only = "armed, no FORMATION: own state is not fresh"
+    only = "armed, no FORMATION: no recent navigation data"
     assert acks(tick) == [(ARM, ACCEPTED)] and only in texts([tick])
     sea.disarm()
     say(sea, chunks, param_set("FS_NAV_S", 2.0), command_long(ARM, 1.0))

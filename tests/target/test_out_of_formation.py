@@ -36,7 +36,7 @@ def test_leader_that_sails_away_is_followed_no_farther_than_the_limit() -> None:
     assert not sea.condition("on_station")
     said = texts(sea.ticks)
     assert any(t.startswith("boat left its slot: ") and "FS_SLOT_M is 5" in t for t in said), said
-    assert "COAST: boat is out of formation" in said
+    assert "COAST: boat does not keep its slot or path" in said
     sea.run_until("HOLD", 5.1)
     assert not any(sea.commands)
     sea.run(1.0)

@@ -37,7 +37,7 @@ from tests.target.test_long_texts import words
 
 CONDITION_DELAY, SET_HOME = 112, 179
 PARAM1, PARAM2, PARAM3, COMPLETE = 6, 7, 8, 5
-BEATEN = "boat makes no way: "
+BEATEN = "no headway: "
 
 
 class Weak(Hull):

@@ -159,5 +159,5 @@ def test_home_is_the_first_place_that_the_unit_calls_good() -> None:
     sea.own.tells_fix = True
     sea.run(8.0)
     home = named(sea.ticks, "HOME_POSITION")[-1]
-    assert "home is here: the place of arming was not known" in texts(sea.ticks)
+    assert "home set here: no good position at arming" in texts(sea.ticks)
     assert home.latitude == pytest.approx(ORIGIN[0], abs=2)

@@ -34,7 +34,7 @@ from tests.target.test_fence_kept import HULL
 from tests.target.test_long_texts import words
 
 NO_WAY = "no path inside the fence: boat waits"
-ROUND = "straight path crosses the fence: going round it"
+ROUND = "straight path crosses the fence: detour"
 Points = list[tuple[float, float]]
 
 WALL: Points = [(8, -12), (8, 9), (12, 9), (12, -12)]
@@ -169,7 +169,7 @@ def test_rtl_keeps_the_margin_from_a_rock_beside_the_straight_way() -> None:
         sea.hull.current = (0.0, 0.3 * (place(sea)[0] < 21))
         sea.run(0.2)
         track.append(place(sea))
-    assert "straight path nears the fence: going round it" in words(sea.ticks)
+    assert "straight path too near the fence: detour" in words(sea.ticks)
     assert clearance(np.asarray(track), [rock], []).min() > 0.4
     assert sea.state == "RTL" and track[-1] == pytest.approx((0, 0), abs=0.3)
 
@@ -182,7 +182,10 @@ def test_rtl_sails_straight_through_a_gap_narrower_than_the_margin() -> None:
     assert send(sea, FENCE, items(zones, [shore])) == ITEM_ACCEPTED
     sea.mode(RTL)
     sea.run(90.0)
-    assert "no way round: straight path nears the fence" in words(sea.ticks) and sea.state == "RTL"
+    assert (
+        "no detour found: sailing straight, near the fence" in words(sea.ticks)
+        and sea.state == "RTL"
+    )
     assert place(sea) == pytest.approx((0, 0), abs=0.3)
 
 

@@ -238,7 +238,9 @@ def test_a_bus_that_loses_every_tenth_frame_carries_a_formation(boat: Boat, shap
     shape(INTERFACE, "netem", "loss", "10%", execute=boat.execute)
     assert 0.03 < boat.share_lost(250) < 0.2
     # NodeStatus is sent once a second: three in a row are lost now and then.
-    assert boat.state == "FORMATION" or boat.texts[-1] == "FAULT: ESCs are not online"
+    assert (
+        boat.state == "FORMATION" or boat.texts[-1] == "FAULT: an ESC is offline or reports a fault"
+    )
     assert boat.state == "FAULT" or boat.drives()
     shape(INTERFACE, execute=boat.execute)
     can = boat.stop()["can"]
@@ -264,15 +266,15 @@ def test_a_babbling_node_stops_a_boat_at_most_until_it_is_silent(boat: Boat) -> 
     assert through > 20  # fewer, and the ESCs would stop by themselves now and then
     late = {
         "COAST": [
-            "COAST: leader's state is not fresh",
+            "COAST: leader lost or origin unknown",
             "COAST: leader latency unknown: set FORM_LAG_S",
         ],
         "HOLD": [
-            "HOLD: own state is not fresh",
+            "HOLD: no recent navigation data",
             "HOLD: own latency unknown: set NAV_LAG_S",
-            "HOLD: FS_COAST_S elapsed",
+            "HOLD: FS_COAST_S elapsed, or position lost",
         ],
-        "FAULT": ["FAULT: ESCs are not online"],
+        "FAULT": ["FAULT: an ESC is offline or reports a fault"],
     }
     assert boat.state == "FORMATION" or boat.texts[-1] in late[str(boat.state)]
     boat.disarm()

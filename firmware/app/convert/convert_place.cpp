@@ -6,7 +6,7 @@
 namespace flotilla::app::convert {
 namespace {
 
-// The same messages reduced to the place, which may be all that they tell.
+// Keeps the position and clears the rest of the motion: some senders fill in nothing else.
 link::Odometry place_alone(link::Odometry m) {
   m.q = {1, 0, 0, 0};
   m.z = m.vx = m.vy = m.vz = m.rollspeed = m.pitchspeed = m.yawspeed = 0;

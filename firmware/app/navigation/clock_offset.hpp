@@ -8,12 +8,12 @@
 //
 // When the upper bound falls, either a message had less latency than all before it, or their clock
 // was set ahead or runs fast. So the lower bound falls by the same amount until an answer confirms
-// it. The same is possible when messages that were late come in time again: the least possible
-// offset is then lower by what their lateness has fallen, until an answer to a later request shows
-// that this is too much. An answer counts for at most the next 32 answers, because their clock may
-// have been set back and ahead again. After a minute without answers the distance between the
-// bounds stops growing: the greatest possible latency of the promptest message remains known, and
-// the stamps are judged like those of a sender that never answers.
+// it. The lower bound also falls when late messages become prompt again, by the drop in lateness,
+// until the answer to a later request rules that out. An answer counts for at most the next 32
+// answers, because their clock may have been set back and ahead again. After a minute without
+// answers the distance between the bounds stops growing: the greatest possible latency of the
+// promptest message remains known, and the stamps are judged like those of a sender that never
+// answers.
 #pragma once
 
 #include <cstdint>

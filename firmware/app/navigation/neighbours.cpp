@@ -229,8 +229,8 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
   return true;
 }
 
-/// An earlier stamp than the last belongs to an overtaken message or, if no newer state was true
-/// within 3 s, perhaps to a clock that was restarted.
+/// A stamp earlier than the last one is from an overtaken message or, if the last state is over 3 s
+/// old, perhaps from a restarted clock.
 bool Neighbours::date_by_stamp(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
   const std::int64_t last_us = vessel.true_us - vessel.ahead_us;
   const std::int64_t arrived_us = now_us - stamp_us, silent_us = now_us - vessel.true_us;

@@ -59,8 +59,8 @@ class Neighbours {
   core::Traffic<S> traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                            std::int64_t now_us) const;
 
-  /// No vessel is nearer than FS_SEP_M, nor was by a late state of the last 3 s: that may have come
-  /// from another vessel with the same system id.
+  /// No vessel is within FS_SEP_M, and no late state of the last 3 s puts one there: such a state
+  /// may come from a second vessel with that id.
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 

@@ -14,10 +14,10 @@ class StampFilter {
  public:
   enum class Verdict : std::uint8_t {
     kNext,       ///< newer than the last one, or the first
-    kSet,        ///< newer, by over 1 s more or less than our clock advanced: theirs was set
+    kSet,        ///< newer, but over 1 s off our elapsed time: sender's clock was set
     kWrapped,    ///< over 10 min too new: a restarted 32-bit clock appears to leap ahead
     kLate,       ///< not newer
-    kRestarted,  ///< not newer, but old stamps advance, as only those of a restarted clock can
+    kRestarted,  ///< not newer, but advancing: sender's clock restarted or was set back
   };
 
   /// one_link: no state can be overtaken on another link, so stamps that go back and then advance

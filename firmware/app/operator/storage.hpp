@@ -18,9 +18,8 @@
 
 namespace flotilla::app {
 
-/// State of a boat's links, and of the senders of signed messages; its plan, fence and rally
-/// points, and those being received. If kLogs is not 0, also a list of logs, a piece of one, and a
-/// client's gaps.
+/// Memory for links, signing streams, plan, fence, rally points and one upload. With kLogs > 0 also
+/// for the log list, one log block and a client's missing ranges.
 template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems,
           std::size_t kFenceItems, std::size_t kRallyPoints, std::size_t kLogs = 0>
 struct Room {

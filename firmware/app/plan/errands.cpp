@@ -41,11 +41,11 @@ bool Errands::look_for_way(const Fence& fence) {
   if (way_round_.is_searching()) return false;
   const bool free = way_round_.straight_is_free(fence);
   if (way_round_.found()) {
-    news_ = free ? "straight path nears the fence: going round it"
-                 : "straight path crosses the fence: going round it";
+    news_ = free ? "straight path too near the fence: detour"
+                 : "straight path crosses the fence: detour";
     errand_ = way_round_.errand(fence);
   } else if (free) {
-    news_ = "no way round: straight path nears the fence";
+    news_ = "no detour found: sailing straight, near the fence";
     sail_to(way_round_.goal());
   } else {
     news_ = kNoWay;

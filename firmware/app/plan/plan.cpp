@@ -229,9 +229,9 @@ PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
 
 PlanFault fault_of(Plan plan) {
   const auto first = std::ranges::find_if(plan, leads_somewhere);
-  if (first == plan.end()) return {mav::kMissionInvalid, "it has no waypoint"};
+  if (first == plan.end()) return {mav::kMissionInvalid, "no waypoint"};
   if (std::ranges::any_of(plan.begin(), first, waits))
-    return {mav::kMissionInvalid, "it begins with a wait"};
+    return {mav::kMissionInvalid, "wait before the first waypoint"};
   return {};
 }
 

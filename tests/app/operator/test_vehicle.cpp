@@ -232,8 +232,8 @@ TEST_CASE("a refusal is reported once for each failing check, at most twice a se
     if (texts.empty()) continue;
     ++said;
     CHECK(texts.size() == 4);
-    CHECK(s.says("PreArm: system id"));
-    CHECK(s.says("PreArm: ESCs"));
+    CHECK(s.says("PreArm: another sender"));
+    CHECK(s.says("PreArm: an ESC"));
     CHECK(s.says("PreArm: parameters"));
     CHECK(s.says("PreArm: another controller"));
     for (const auto& t : texts) CHECK(t.severity == mav::kSeverityWarning);

@@ -51,8 +51,11 @@ def test_a_running_boat_reports_its_state_and_unmet_conditions(
     assert len(told) == 2 and told[1].startswith("flotillad: a message takes ")
     lacking = {f.what for f in found if f.where == "boat"}
     # signatures are required of the navigation unit too, which has none here
-    assert ("own state is not fresh" in lacking) == (policy == "required")
-    assert not lacking & {"ESCs are not online", "parameters or fence are not saved"}
+    assert ("no recent navigation data" in lacking) == (policy == "required")
+    assert not lacking & {
+        "an ESC is offline or reports a fault",
+        "parameters or fence are not saved",
+    }
 
 
 def test_a_doctor_without_the_key_reports_that_it_needs_it(

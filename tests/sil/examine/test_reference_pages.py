@@ -54,7 +54,8 @@ def test_the_condition_table_has_each_conditions_limit_and_modes() -> None:
 def test_the_choice_table_has_each_choices_effect() -> None:
     choices = supervisor_page.choice_table()
     coast = "COAST, then `FS_COAST_ACT` decides"
-    assert f"| `FS_LEADER_ACT` 1 (default) | no `leader_fresh` | {coast} | {coast} |" in choices
+    lost = "any `leader_…` condition lost"
+    assert f"| `FS_LEADER_ACT` 1 (default) | {lost} | {coast} | {coast} |" in choices
     assert "| `FS_GCS_ACT` 2 | no `gcs_heard` | HOLD | MANUAL |" in choices
     assert "| `FS_FENCE_ACT` 2 (default) | no `inside_fence` | RTL | RTL |" in choices
     assert "| `FS_COAST_ACT` 1 | COAST is over | LOITER | LOITER |" in choices

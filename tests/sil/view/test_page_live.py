@@ -77,7 +77,11 @@ def test_nothing_but_the_page_and_its_socket_is_asked_for(browser: Browser, four
 def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     assert word(browser, "Boat 2", ".state") == "FORMATION"
-    lost = {"held": ["leader's state is not fresh"], "text": "leader is lost", "leader_age_s": 1.2}
+    lost = {
+        "held": ["leader lost or origin unknown"],
+        "text": "leader is lost",
+        "leader_age_s": 1.2,
+    }
     lost["text_age_s"] = 12.0
     for state in ("COAST", "HOLD"):
         four.frames = lambda t_s, state=state: frame(
@@ -86,7 +90,7 @@ def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> 
         browser.until(
             f"{CARD} return card.querySelector('.state').textContent === '{state}'", "Boat 2"
         )
-        assert word(browser, "Boat 2", ".held") == "leader's state is not fresh"
+        assert word(browser, "Boat 2", ".held") == "leader lost or origin unknown"
     assert word(browser, "Boat 2", ".said") == "“leader is lost” 12 s ago"
     assert word(browser, "Boat 1", ".state") == "FORMATION"
 
@@ -112,7 +116,7 @@ def test_line_on_top_counts_boats_in_their_slots_and_in_trouble(
     browser: Browser, four: Feeder
 ) -> None:
     far = {"error_m": 9.5, "in_slot": 0.0}
-    lost = {"state": "COAST", "held": ["leader's state is not fresh"], "in_slot": 0.0}
+    lost = {"state": "COAST", "held": ["leader lost or origin unknown"], "in_slot": 0.0}
     near = {"error_m": 0.02, "in_slot": 1.0}
     mixed: list[tuple[int, dict[str, Any]]] = [
         (1, near),
@@ -210,7 +214,7 @@ def test_silent_source_is_reported_in_red(browser: Browser, four: Feeder) -> Non
 def test_events_are_listed_the_newest_first(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     told = "return [...document.querySelectorAll('#events .told')].map((x) => x.textContent)"
-    lost = {"held": ["leader's state is not fresh"], "state": "COAST", "text": "stopping"}
+    lost = {"held": ["leader lost or origin unknown"], "state": "COAST", "text": "stopping"}
     texts = [
         (1, 19.0, 1, 6, "set out"),
         (2, 20.0, 2, 2, "leader is lost"),
@@ -224,7 +228,7 @@ def test_events_are_listed_the_newest_first(browser: Browser, four: Feeder) -> N
     assert browser.run(told) == [
         "nothing is missing any more",
         "FORMATION",
-        "leader's state is not fresh",
+        "leader lost or origin unknown",
         "COAST",
         "“coast”",
         "“leader is lost”",
@@ -262,7 +266,7 @@ def test_a_paused_page_is_dimmed_and_still_reports_troubles(browser: Browser, fo
 def test_a_fault_is_read_out_and_in_the_title(browser: Browser, four: Feeder) -> None:
     shown(browser, four)
     browser.until("return document.title === 'Flotilla'")
-    fault = {"state": "FAULT", "text": "FAULT: own state jumps"}
+    fault = {"state": "FAULT", "text": "FAULT: jump in navigation data"}
     four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **fault)])
     browser.until("return document.title === '1 in trouble · Flotilla'")
     browser.until("return document.getElementById('newest').textContent === 'Boat 2: FAULT'")
@@ -368,7 +372,7 @@ def test_vessels_of_the_wrong_types_are_left_out_or_unknown(browser: Browser, fo
 
 
 def test_boat_that_holds_can_be_played_with_as_it_is(browser: Browser, four: Feeder) -> None:
-    held = {"held": ["own state jumps"], "state": "HOLD"}
+    held = {"held": ["jump in navigation data"], "state": "HOLD"}
     shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **held)]))
     browser.run("document.getElementById('tab-what-if').click()")
     browser.run("document.querySelectorAll('#boats button')[1].click()")

@@ -57,7 +57,7 @@ def test_page_fits_a_phone(browser: Browser, four: Feeder) -> None:
 def test_texts_are_read_in_light_and_dark(browser: Browser, four: Feeder, dark: bool) -> None:
     """Contrast by WCAG 2 of every text on the page: at least 4.5."""
     browser.size(1200, 800, dark=dark)
-    lost = {"state": "COAST", "held": ["leader's state is not fresh"], "text": "leader is lost"}
+    lost = {"state": "COAST", "held": ["leader lost or origin unknown"], "text": "leader is lost"}
     silent = {"link_age_s": 9.0}
     changes: list[dict[str, Any]] = [
         {},

@@ -39,7 +39,7 @@ def replayed(
     told = history.of_trace(run, "a run", [Boat(1, 100, 1.2, (-15.0, 20.0)), Boat(2, 1)])
     boat = told["vessels"][1]
     boat["states"] = [[0.0, "HOLD"], [10.0, "FORMATION"], [60.0, "COAST"]]
-    boat["held"] = [[60.0, ["leader's state is not fresh"]]]
+    boat["held"] = [[60.0, ["leader lost or origin unknown"]]]
     boat["texts"] = [[61.0, "leader is lost"]]
     boat["severities"] = [[61.0, 3]]
     path = folder / "run.html"
@@ -100,8 +100,8 @@ def test_card_has_the_state_at_that_time_and_its_reason(browser: Browser, tmp_pa
     for t_s, wanted in (
         (5.0, ["HOLD", "", ""]),
         (10.0, ["FORMATION", "", ""]),
-        (60.5, ["COAST", "leader's state is not fresh", ""]),
-        (99.0, ["COAST", "leader's state is not fresh", "“leader is lost” 38 s ago"]),
+        (60.5, ["COAST", "leader lost or origin unknown", ""]),
+        (99.0, ["COAST", "leader lost or origin unknown", "“leader is lost” 38 s ago"]),
     ):
         seek(browser, t_s)
         browser.until(f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows leader"]))
@@ -150,14 +150,14 @@ def test_events_are_listed_and_one_that_is_chosen_is_gone_to(
     assert browser.until(f"{listed}.filter((row) => row.length)") == [
         ["10.0 s", "Boat 1", "FORMATION"],
         ["60.0 s", "Boat 1", "COAST"],
-        ["60.0 s", "Boat 1", "leader's state is not fresh"],
+        ["60.0 s", "Boat 1", "leader lost or origin unknown"],
         ["61.0 s", "Boat 1", "“leader is lost”"],
     ]
     assert browser.run("return flotilla.source.events.at(-1).colour") == "bad"
     browser.run("document.querySelectorAll('#events button')[1].click()")
     browser.until("return Math.abs(flotilla.shown.t_s - 60) < 0.01")
     current = "return document.querySelector('#events [aria-current]')?.textContent"
-    assert "not fresh" in browser.until(current)
+    assert "leader lost" in browser.until(current)
     # marks lie under the slider where the slider has that time
     marks = """const track = document.getElementById('event-track');
       const { data } = track.getContext('2d').getImageData(0, track.height - 1, track.width, 1);

@@ -105,7 +105,7 @@ def test_real_boats_move_and_their_lost_leader_is_seen(browser: Browser, lost: S
             assert all(a != b for a, b in zip(before, places(browser, names), strict=True))
             browser.until(STATE, "Boat 1", "COAST")
             why = f"{CARD} return card.querySelector('.held').textContent === arguments[1]"
-            browser.until(why, "Boat 1", "leader's state is not fresh")
+            browser.until(why, "Boat 1", "leader lost or origin unknown")
             browser.until(STATE, "Boat 1", "HOLD")
 
 

@@ -85,8 +85,8 @@ def test_a_history_has_the_boats_telemetry_from_the_release_on(lost: Path) -> No
     assert vessel["states"][0][0] == 0.0
     assert 6.5 < coast_s < 8.0 and coast_s + 4.0 < hold_s < coast_s + 6.0
     held = [sentences for t_s, sentences in vessel["held"] if t_s > coast_s]
-    assert "leader's state is not fresh" in held[0]
-    assert any("leader's state is not fresh" in text for _, text in vessel["texts"])
+    assert "leader lost or origin unknown" in held[0]
+    assert any("leader lost or origin unknown" in text for _, text in vessel["texts"])
     ages = numbers(vessel["leader_age_s"])
     assert ages[-1] > 10.0 and numbers(vessel["battery_V"])[-1] == 24.0
 

@@ -92,7 +92,7 @@ def test_real_boats_whose_leader_is_lost_coast_and_hold_and_say_why() -> None:
     states = [state for state, _ in seen]
     assert sorted(set(states), key=states.index) == ["FORMATION", "COAST", "HOLD"]
     assert seen[0] == ("FORMATION", ()) and states[-1] == "HOLD"
-    assert seen[-1][1] == ("leader's state is not fresh",)
+    assert seen[-1][1] == ("leader lost or origin unknown",)
 
 
 def boat(system: int, x: float = 0.0) -> bytes:
@@ -220,7 +220,7 @@ def test_the_reason_that_holds_a_boat_is_shown_in_its_words() -> None:
     view = Listening()
     view.hear(boat(3) + said(3, coasting, value("COND", lost), value("COND2", ALL2)), 0.0)
     vessel = view.by_id(0.0)[3]
-    assert (vessel["state"], vessel["held"]) == ("COAST", ("leader's state is not fresh",))
+    assert (vessel["state"], vessel["held"]) == ("COAST", ("leader lost or origin unknown",))
 
 
 def test_every_text_has_its_time_and_severity_and_a_repeated_one_comes_once() -> None:

@@ -15,7 +15,7 @@ def test_a_boat_that_may_sail_has_no_unmet_condition() -> None:
 
 def test_unmet_conditions_of_formation_are_listed_in_the_boats_words() -> None:
     leader = ALL & ~BITS["leader_fresh"]
-    assert held_by(leader, "COAST") == ("leader's state is not fresh",)
+    assert held_by(leader, "COAST") == ("leader lost or origin unknown",)
     sticks = ALL & ~BITS["sticks_fresh"]
     assert held_by(sticks, "HOLD") == ()
     saved = ALL & ~BITS["parameters_saved"]

@@ -90,7 +90,7 @@ def test_states_and_unmet_conditions_are_played_back(sailed: tuple[Path, Array])
     vessel = by_id(history_of_tlog(sailed[0]))[1]
     assert [state for _, state in vessel["states"]] == ["FORMATION", "COAST", "HOLD"]
     assert 15.5 < vessel["states"][1][0] < 17.0
-    assert vessel["held"][-1][1] == ["leader's state is not fresh"]
+    assert vessel["held"][-1][1] == ["leader lost or origin unknown"]
     ages = numbers(by_id(history_of_tlog(sailed[0]))[100]["link_age_s"])
     assert ages[-1] == pytest.approx(0.0, abs=1.0)
 

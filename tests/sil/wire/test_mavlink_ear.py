@@ -22,7 +22,7 @@ SAID = [
     origin(1, 2, 3),
     slot(0.0, 0.0),
     value("E_X", 1.5),
-    mavlink.MAVLink_statustext_message(4, b"own state is not fresh"),
+    mavlink.MAVLink_statustext_message(4, b"no recent navigation data"),
     mavlink.MAVLink_timesync_message(1, 2),
     mavlink.MAVLink_sys_status_message(1, 2, 3, 0, 24000, -1, -1, 0, 0, 0, 0, 0, 0),
 ]

@@ -19,7 +19,7 @@ namespace flotilla::app {
 /// Kinds of stored items; the values are MAV_MISSION_TYPE's.
 enum class Stored : std::uint8_t { kPlan, kFence, kRally };
 constexpr std::size_t kStoredKinds = 3;
-/// No items have this id.
+/// Id of a fence that could not be restored; no stored list has it.
 constexpr std::uint32_t kLostId = 1;
 
 /// Room for the stored items, and for an upload, which may be as long as any of them.

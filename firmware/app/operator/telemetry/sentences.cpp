@@ -123,7 +123,7 @@ Sentence slot_is_taken(std::uint8_t by) {
 
 Sentence too_deep(std::size_t depth, float certified) {
   Sentence why;
-  why << "tree depth is " << static_cast<float>(depth) << ", FORM_DEPTH is " << certified;
+  why << "formation depth " << static_cast<float>(depth) << " exceeds FORM_DEPTH " << certified;
   return why;
 }
 

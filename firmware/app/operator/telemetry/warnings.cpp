@@ -61,14 +61,14 @@ void Warnings<S>::warn_of_vessels(const Seen& seen) {
   }
   const auto late = pilot_.late_neighbour(seen.now_us);
   if (late && late_due_.take_if_due(seen.now_us)) {
-    alarm(*late, "vessel ", " is heard over 3 s late");
+    alarm(*late, "vessel ", ": messages over 3 s late");
   }
 }
 
 template <class S>
 void Warnings<S>::warn_of_unit(const Seen& seen) {
   if (pilot_.take_stranger() && quality_due_.take_if_due(seen.now_us)) {
-    warn("own states ignored: disarm, or set NAV_LINK");
+    warn("navigation data ignored: disarm, or set NAV_LINK");
   }
   warn_of_time(seen);
   if ((seen.conditions & core::kOwnGood) == 0 && quality_due_.take_if_due(seen.now_us)) {
@@ -114,7 +114,7 @@ void Warnings<S>::warn_of_station(const Seen& seen) {
           .text());
 }
 
-/// Reports that a boat that sails alone makes no way, or drifts from its place, at full thrust:
+/// Reports that a boat that sails alone makes no headway, or drifts from its place, at full thrust:
 /// after 2 s, or at once if it holds because it does not respond.
 template <class S>
 void Warnings<S>::warn_of_current(const Seen& seen) {
@@ -126,7 +126,7 @@ void Warnings<S>::warn_of_current(const Seen& seen) {
   const bool holds = was_alone && !alone_ && (seen.conditions & core::kBoatAnswers) == 0;
   if (!holds && !(no_way_.is() && spent)) return;
   if (no_way_due_.take_if_due(seen.now_us)) {
-    warn("boat makes no way: current, wind or propellers");
+    warn("no headway: current, wind or propellers");
   }
 }
 

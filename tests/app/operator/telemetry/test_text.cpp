@@ -40,15 +40,16 @@ TEST_CASE("every unmet condition has its own sentence, which fits into a STATUST
     said.insert(sentences[0]);
   }
   CHECK(said.size() == core::kConditionCount);
-  CHECK(said.count("no sticks (MANUAL_CONTROL or RC)") == 1);
+  CHECK(said.count("no MANUAL_CONTROL or RC input") == 1);
   CHECK(said.count("no motor test is running") == 1);
 }
 
 TEST_CASE("several unmet conditions are reported one by one, the most important first") {
   const auto said =
       complaints_of(core::kTestRunning | core::kOwnFresh | core::kEscsOnline | core::kBusUp);
-  CHECK(said == std::vector<std::string>{"CAN bus is down", "own state is not fresh",
-                                         "ESCs are not online", "no motor test is running"});
+  CHECK(said == std::vector<std::string>{"CAN bus is down", "no recent navigation data",
+                                         "an ESC is offline or reports a fault",
+                                         "no motor test is running"});
   for (unsigned one = 0; one < core::kConditionCount; ++one) {
     for (unsigned other = 0; other < core::kConditionCount; ++other) {
       const auto set = core::Conditions{1} << one | core::Conditions{1} << other;
