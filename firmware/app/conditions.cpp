@@ -35,7 +35,12 @@ core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsi
 void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
   const bool just_armed = seen.armed && !was_armed_;
   was_armed_ = seen.armed;
-  asks_home_ = asks_home_ || just_armed;
+  if (just_armed) {
+    asks_home_ = true;
+    home_near_ = false;
+    left_from_.reset();
+    home_.reset();
+  }
   if (seen.place && seen.sure && std::exchange(asks_home_, false)) {
     late_home_ = seen.armed && !just_armed;
     left_from_ = seen.place;
@@ -89,6 +94,7 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
   const bool sails = core::law_drives(boat.state());
   core::Conditions met = judged.heard | boat.supervisor.conditions(now_us) |
                          pilot.conditions(now_us) | boat.limits.conditions();
+  core::Conditions denied = 0;  // by a second part that must agree
   if (coasts_on(boat, now_us)) met |= core::kCoastRunning;
   if (judged.in_range) met |= core::kInRange;
   if (judged.rally_near) met |= core::kHomeNear;
@@ -99,19 +105,19 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
   if ((pilot.station_loss() == core::StationLoss::kNo && !lost) || !sails) {
     met |= core::kOnStation;
   }
-  if (!boat.fence_watch.stays()) met &= ~core::kInsideFence;
+  if (!boat.fence_watch.stays()) denied |= core::kInsideFence;
   if (pilot.located()) met |= core::kLocated;
   const MissionService& missions = boat.vehicle.missions();
   const bool reached = !core::sails_alone(boat.state()) || pilot.plan_vessel().is_sound();
-  if (!reached) met &= ~core::kHomeNear;
+  if (!reached) denied |= core::kHomeNear;
   if (!missions.plan().empty() && pilot.located() && reached &&
       missions.plan_is_sound(boat.state() == core::State::kAuto)) {
     met |= core::kPlanReady;
   }
-  if (boat.vehicle.doubled(now_us)) met &= ~core::kSoleVessel;
+  if (boat.vehicle.doubled(now_us)) denied |= core::kSoleVessel;
   const bool follows = core::follows(boat.state());
-  if (follows && pilot.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
-  return met;
+  if (follows && pilot.leader_jumped()) denied |= core::kLeaderSteady;  // until a new request
+  return met & ~denied;
 }
 
 #define FLOTILLA_CONDITIONS(S)                                          \

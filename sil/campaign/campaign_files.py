@@ -83,6 +83,13 @@ class Folder:
                 f"{'; '.join(differences)}. {can} the folder, or choose another --out"
             )
 
+    def _finished_runs(self) -> int | None:
+        """Number of runs of a finished campaign in the folder; None if there is none."""
+        try:
+            return int(self._known()["runs"])
+        except (CampaignError, OSError, KeyError, TypeError, ValueError):
+            return None
+
     def _known(self) -> dict[str, Any]:
         """The content of campaign.json; CampaignError if it is damaged."""
         path = self.path / "campaign.json"
@@ -102,6 +109,8 @@ class Folder:
         self.check(identity)
         self.path.mkdir(parents=True, exist_ok=True)
         if not self.is_begun():
+            if (runs := self._finished_runs()) and runs != identity.runs:
+                say(f"{self.path} held a finished campaign of {runs} runs, which this one replaces")
             self.write_json(identity, {"command": command})
             self._parts.mkdir()
         results = []

@@ -29,5 +29,6 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         return 0
     for name in presets.names():
         vessel = presets.load(name).vessel
-        print(f"{name:10}{vessel.m11:8.4g} kg{vessel.length_m:6.3g} m  {hull_files.about(name)}")
+        length = f"{vessel.length_m:6.3g} m" if vessel.length_m else f"{'–':>6}  "
+        print(f"{name:10}{vessel.m11:8.4g} kg{length}  {hull_files.about(name)}")
     return 0

@@ -114,7 +114,12 @@ def _check_sizes(options: argparse.Namespace, surge_mass_kg: float) -> None:
 
 
 def _positive(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text} is not a number; write it without a unit"
+        ) from None
     if not 0.0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"{text} is not a positive number")
     return value

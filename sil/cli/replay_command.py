@@ -22,7 +22,14 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     from sil.lockstep.replay import replay
 
     path: Path = options.recording
-    recording = Recording(path / "recording.bin" if path.is_dir() else path)
+    if path.is_dir():
+        path /= "recording.bin"
+        if not path.exists():
+            raise ValueError(
+                f"{path.parent} has no recording: only flotilla run leaves one (for a run of a "
+                "campaign: flotilla campaign … --run NUMBER)"
+            )
+    recording = Recording(path)
     first = replay(recording)
     for boat, t_us in enumerate(first, start=1):
         same = "the same, bit for bit" if t_us < 0 else f"different, first at {t_us * 1e-6:.3f} s"

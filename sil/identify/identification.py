@@ -26,7 +26,7 @@ from sil.identify.windows import WINDOW_S, cut
 
 _LEAST_WINDOWS = 6
 _HALVES = 0.7  # share of the work in fits to one half
-# Difference of the sums of four R²: a smaller one does not tell which hull is nearer the truth.
+# Difference of the sums of R²: a smaller one does not tell which hull is nearer the truth.
 # With BY_AND_BY the log counts for more, and the first guesses for less.
 _CLEARLY = 0.1
 
@@ -89,9 +89,10 @@ def held_out(halves: Halves, body: Body, schedule: Schedule, told: Told, one_log
 def _worth(scores: Scores) -> float:
     """Sum of R² of u and r, each at least -1, so that one bad channel does not decide alone.
 
-    Not of v: gusts and noise decide how well it is predicted.
+    That of v counts only below 0, where the prediction is worse than none: above, gusts and noise
+    decide how good it is.
     """
-    return sum(max(r2, -1.0) for one in scores if one for r2 in (one.u, one.r))
+    return sum(max(r2, -1.0) for one in scores if one for r2 in (one.u, one.r, min(one.v, 0.0)))
 
 
 def problem_of(logs: Sequence[VoyageLog], body: Body) -> Problem:

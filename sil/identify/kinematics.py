@@ -53,6 +53,13 @@ def _changes(series: Array, stretch_s: float) -> Array:
 
 
 def _ratios(a: Complex, b: Complex, least: float) -> Complex:
-    """The ratios a / b where both are known and |b| exceeds `least`."""
-    known = np.isfinite(a) & (np.abs(b) > least)
-    return a[known] / b[known]
+    """The ratios a / b where both are known and |b| exceeds `least`.
+
+    If there are too few, where |a| exceeds it: b may be in a wrong unit. Infinite where b is 0.
+    """
+    known = np.isfinite(a) & np.isfinite(b)
+    large = known & (np.abs(b) > least)
+    if np.count_nonzero(large) < _LEAST:
+        large = known & (np.abs(a) > least)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return a[large] / b[large]

@@ -58,6 +58,8 @@ def _columns(path: Path) -> dict[str, Array]:
     with path.open(encoding="utf-8-sig", errors="replace") as file:
         head = file.readline()
         names = [name.strip().lower() for name in head.split(",")]
+        if len(names) == 1 and any(sign in head for sign in ";\t"):
+            raise BadLogError(f"{path}: the columns must be separated by commas")
         if "" in names or len(set(names)) < len(names) or not names[0][:1].isalpha():
             raise BadLogError(
                 f"{path}: the first line does not name the columns. Write names such as "
@@ -65,11 +67,19 @@ def _columns(path: Path) -> dict[str, Array]:
             )
         try:
             rows = [head, *file]
+            if len(rows) > 2 and rows[-1].count(",") < head.count(","):
+                rows.pop()  # a log ends in mid-line where the power was cut
             table = np.empty((0, 0))
             if len(rows) > 1:
                 table = np.genfromtxt(rows, delimiter=",", ndmin=2, skip_header=1)
         except ValueError as error:
-            raise BadLogError(f"{path}: {str(error).splitlines()[:2][-1].strip()}") from None
+            told = str(error).splitlines()[:2][-1].strip()
+            for number, row in enumerate(rows, start=1):
+                if row.count(",") != head.count(","):
+                    values = row.count(",") + 1
+                    told = f"line {number} has {values} values, for {len(names)} columns"
+                    break
+            raise BadLogError(f"{path}: {told}") from None
     if table.shape[0] < 2 or table.shape[1] != len(names):
         raise BadLogError(
             f"{path}: {table.shape[0]} rows of {table.shape[1]} values; "

@@ -41,7 +41,8 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
         lacking = f"{Path(error.filename or folder).name}: {error.strerror}"
         raise ValueError(f"{folder} is not the folder of a run: {lacking}") from None
     except (EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise ValueError(f"{folder} is not the folder of a run: {error}") from None
+        why = "trace.npz is damaged: sail the run again" if "allow_pickle" in str(error) else error
+        raise ValueError(f"{folder} is not the folder of a run: {why}") from None
     try:
         sailed = scenario.load(name)
     except ValueError:

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <source_location>
 #include <string>
+#include <type_traits>
 #include <unordered_map>
 
 #define Q16 PlainQ16
@@ -52,18 +53,19 @@ class Q16 {
   struct First {
     PlainQ16 x;
     Where where;
-    First(Q16 a, Where w = Where::current()) : x(a.x_), where(w) {}  // NOLINT: implicit
+    constexpr First(Q16 a, Where w = Where::current()) : x(a.x_), where(w) {}  // NOLINT: implicit
   };
 
   friend Q16 operator-(First a) { return of_raw(noted(a.where, (-a.x).raw(), a.x.raw())); }
-  friend Q16 operator+(First a, Q16 b) { return note(a, b, a.x + b.x_); }
-  friend Q16 operator-(First a, Q16 b) { return note(a, b, a.x - b.x_); }
-  friend Q16 operator*(First a, Q16 b) { return note(a, b, a.x * b.x_); }
-  friend Q16 operator/(First a, Q16 b) { return note(a, b, a.x / b.x_); }
+  friend constexpr Q16 operator+(First a, Q16 b) { return note(a, b, a.x + b.x_); }
+  friend constexpr Q16 operator-(First a, Q16 b) { return note(a, b, a.x - b.x_); }
+  friend constexpr Q16 operator*(First a, Q16 b) { return note(a, b, a.x * b.x_); }
+  friend constexpr Q16 operator/(First a, Q16 b) { return note(a, b, a.x / b.x_); }
 
  private:
   constexpr Q16(PlainQ16 x, int) : x_(x) {}
-  static Q16 note(const First& a, Q16 b, PlainQ16 result) {
+  static constexpr Q16 note(const First& a, Q16 b, PlainQ16 result) {
+    if (std::is_constant_evaluated()) return of_raw(result.raw());
     return of_raw(noted(a.where, result.raw(), a.x.raw(), b.raw()));
   }
 

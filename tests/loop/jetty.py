@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from sil.lockstep import metrics
+from sil.lockstep.start import StartError
 from sil.lockstep.world import all_sailed, sail
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
@@ -71,10 +72,15 @@ def fleet(hull: str, number: int) -> Scenario:
 
 
 def outings(hull: str, numbers: Sequence[int]) -> list[Outing]:
-    """The outings of these fleets of a hull; RunError where one does not start."""
+    """The outings of these fleets of a hull, without those that do not start.
+
+    A fleet starts with its hulls held in place. With full thrust towards far slots, boats find
+    within 0.3 s that they do not respond, and a boat behind them that its leader's state is frozen.
+    """
     found = []
     fleets = [fleet(hull, number) for number in numbers]
-    for run in all_sailed(sail(fleets, {}, keep_s=_KEPT_S)):
+    runs = sail(fleets, {}, keep_s=_KEPT_S)
+    for run in all_sailed(run for run in runs if not isinstance(run, StartError)):
         off = metrics.distances(run.trace["error"]).max(axis=1)
         late = np.flatnonzero(off > ARRIVED_M)
         left = [state for states in run.states for state in states if state != "FORMATION"]

@@ -10,9 +10,9 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.hull import Afloat, Hull
-from tests.target.operator_words import drive, enter_manual, sticks
+from tests.target.operator_words import drive, enter_manual, param_set, sticks
 from tests.target.plans import ITEM_ACCEPTED, Planner, as_sent, at, plan_of
-from tests.target.sea import Sea, Tick, acks, named
+from tests.target.sea import Sea, Tick, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,
@@ -25,6 +25,7 @@ from tests.target.stations import (
     LOITER,
     REQUEST_MESSAGE,
     SET_MODE,
+    TEMPORARILY_REJECTED,
     Station,
     command_long,
 )
@@ -85,6 +86,49 @@ def test_requests_that_change_nothing_do_not_make_room_for_a_late_copy(
     sea.boat.on_mavlink(wire, sea.now_us, RADIO)
     sea.step()
     assert sea.state == "LOITER"
+
+
+def test_a_stop_that_is_repeated_on_both_links_makes_no_room_for_a_late_copy(sea: Sea) -> None:
+    wire = say(sea, command_long(SET_MODE, 1.0, float(FORMATION)))
+    sea.step()
+    for _ in range(16):
+        again = say(sea, command_long(SET_MODE, 1.0, float(HOLD)))
+        sea.boat.on_mavlink(again, sea.now_us, RADIO)
+        sea.run(0.2)
+    assert sea.state == "HOLD"
+    sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+    sea.run(0.2)
+    assert sea.state == "HOLD"
+
+
+@pytest.mark.parametrize("count", [31, 32, 45])
+def test_too_many_requests_to_remember_make_no_room_for_a_late_copy(sea: Sea, count: int) -> None:
+    wire = say(sea, command_long(SET_MODE, 1.0, float(FORMATION)))
+    sea.step()
+    sea.mode(LOITER)
+    for k in range(count):
+        say(sea, param_set("SR_SLOW", 0.5 + 0.01 * k))
+        sea.run(0.1)
+    assert sea.state == "LOITER"
+    sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+    sea.run(0.1)
+    assert sea.state == "LOITER"
+    sea.run(5.0)
+    sea.order(SET_MODE, 1.0, float(HOLD), link=RADIO)
+    assert acks(sea.order(SET_MODE, 1.0, float(LOITER), link=RADIO), RADIO)[0][1] == ACCEPTED
+
+
+@pytest.mark.parametrize("link", [0, RADIO])
+def test_a_retransmission_does_not_undo_another_operators_newer_order(sea: Sea, link: int) -> None:
+    sea.mode(LOITER)
+    sea.run(0.2)
+    sea.say(command_long(SET_MODE, 1.0, float(FORMATION)), sender=SECOND, link=link)
+    assert acks(sea.step(), link) == [(SET_MODE, ACCEPTED)] and sea.state == "FORMATION"
+    tick = sea.order(SET_MODE, 1.0, float(LOITER), confirmation=1)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "FORMATION"
+    assert "Refused: a newer order came: ask again in 5 s" in texts([tick])
+    sea.run(5.0)
+    assert acks(sea.order(SET_MODE, 1.0, float(LOITER), confirmation=2)) == [(SET_MODE, ACCEPTED)]
 
 
 def test_a_late_copy_of_a_clear_does_not_clear_a_plan_that_was_sent_since(sea: Sea) -> None:

@@ -321,6 +321,33 @@ def test_a_late_copy_of_a_command_does_not_end_a_newer_pause() -> None:
     assert place(sea)[0] > stopped[0] + 0.5
 
 
+def test_a_repeated_order_whose_first_copy_was_lost_ends_an_older_pause() -> None:
+    sea = sailing([at(30, 0)])
+    sea.order(PAUSE, 0.0)
+    tick = sea.order(SET_MODE, 1.0, float(AUTO), confirmation=1)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert "Refused: boat was just paused: ask again in 5 s" in texts([tick])
+    sea.run(10.0)
+    stopped = place(sea)
+    assert acks(sea.order(SET_MODE, 1.0, float(AUTO), confirmation=2)) == [(SET_MODE, ACCEPTED)]
+    sea.run(10.0)
+    assert place(sea)[0] > stopped[0] + 2.0
+
+
+def test_the_same_target_again_ends_a_pause_but_not_one_that_has_just_begun() -> None:
+    sea = guided(30.0)
+    sea.run(5.0)
+    sea.order(PAUSE, 0.0)
+    reposition(sea, at(30, 0))
+    sea.run(10.0)
+    stopped = place(sea)
+    sea.run(3.0)
+    assert place(sea) == pytest.approx(stopped, abs=0.02)
+    reposition(sea, at(30, 0))
+    sea.run(10.0)
+    assert place(sea)[0] > stopped[0] + 2.0
+
+
 @pytest.mark.parametrize("how", [(PAUSE, 1.0), (SET_CURRENT, 1.0)])
 def test_a_late_copy_of_a_command_does_not_end_a_pause_of_the_plan(how: tuple[int, float]) -> None:
     sea = sailing([at(3, 0)._replace(autocontinue=0), at(20, 0)])
@@ -468,6 +495,45 @@ def test_a_boat_far_from_home_returns_to_a_rally_point() -> None:
     sea.run(1.0)
     assert acks(sea.mode(RTL)) == [(SET_MODE, ACCEPTED)]
     sea.run(2.0)
+    assert sea.state == "RTL"
+
+
+def test_a_boat_is_not_sent_to_the_home_of_an_earlier_arming() -> None:
+    sea = Afloat(hull=Hull())
+    sea.leader.on = False
+    sea.run(1.5)
+    sea.arm()
+    sea.run(0.3)
+    sea.disarm()
+    sea.own.on = False
+    sea.run(1.5)
+    sea.hull.q[0] = 100.0  # carried there
+    sea.arm()
+    sea.run(0.5)
+    sea.own.on = True
+    while sea.state != "RTL":
+        sea.mode(RTL)
+    sea.run(30.0)
+    assert place(sea) == pytest.approx((100, 0), abs=0.5)
+
+
+def test_another_component_of_the_leaders_system_neither_returns_nor_stays_for_it() -> None:
+    sea = Sea({"RTL_ALONE": 1.0, "FORM_OFS_N": -3.0})
+    sea.enter_formation()
+    armed = mavlink.MAV_MODE_FLAG_SAFETY_ARMED | mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+    camera = Station(sea.leader.station.system, 100)
+    beats = {
+        mode: mavlink.MAVLink_heartbeat_message(30, 0, armed, mode, 4, 3) for mode in (AUTO, RTL)
+    }
+    for _ in range(5):
+        sea.say(beats[RTL], sender=camera)
+        sea.run(0.1)
+    assert sea.state == "FORMATION"
+    for _ in range(3):
+        beat = mavlink.MAVLink_heartbeat_message(11, 0, armed, RTL, 4, 3)
+        sea.say(beat, sender=sea.leader.station)
+        sea.say(beats[AUTO], sender=camera)
+        sea.run(0.1)
     assert sea.state == "RTL"
 
 

@@ -138,7 +138,7 @@ def test_silent_sticks_lead_to_hold_within_half_a_second_and_a_tick(sea: Sea, x:
     assert tick.now_us - said_us >= SILENT_S * 1e6 - sea.period_us
     assert sea.state == "HOLD" and tick.commands == (0, 0)
     (text,) = tick.named("STATUSTEXT")
-    assert text.text.startswith("HOLD: ") and "sticks" in text.text
+    assert text.text.startswith("HOLD: ") and "MANUAL_CONTROL" in text.text
     assert text.severity <= mavlink.MAV_SEVERITY_WARNING
     (beat,) = tick.named("HEARTBEAT")
     assert beat.custom_mode == HOLD
@@ -176,7 +176,7 @@ def test_manual_without_sticks_is_refused_with_the_reason(seed_state: str) -> No
     ENTER[seed_state](sea)
     tick = sea.mode(MANUAL)
     assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
-    assert [t for t in texts([tick]) if t.startswith("Refused: ") and "sticks" in t]
+    assert [t for t in texts([tick]) if t.startswith("Refused: ") and "MANUAL_CONTROL" in t]
     assert sea.state == seed_state
 
 

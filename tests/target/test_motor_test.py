@@ -334,7 +334,7 @@ def test_a_thrust_that_the_boat_would_command_as_zero_is_no_test(
     sea.run(0.6)
     tick = sea.order(MOTOR_TEST, propeller, PERCENT, percent, 1.0)
     assert acks(tick) == [(MOTOR_TEST, DENIED)]
-    assert texts([tick]) == ["Refused: motor test thrust is below THR_DEAD"]
+    assert texts([tick]) == ["Refused: test thrust is below THR_DEAD"]
     assert {t.commands for t in [tick, *sea.run(1.0)]} == {(0, 0)} and sea.state == "HOLD"
     tick = sea.order(MOTOR_TEST, propeller, PERCENT, math.copysign(10.2, percent), 1.0)
     assert acks(tick) == [(MOTOR_TEST, ACCEPTED)]

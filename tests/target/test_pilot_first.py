@@ -16,6 +16,7 @@ from tests.target.stations import (
     MOTOR_TEST,
     RTL,
     SET_MODE,
+    TEMPORARILY_REJECTED,
     Station,
     command_long,
 )
@@ -37,6 +38,37 @@ def driven() -> Sea:
 
 def begin_test_at_once(sea: Sea) -> None:
     sea.say(command_long(SET_MODE, 1.0, float(HOLD)), command_long(MOTOR_TEST, 1.0, 0.0, 20.0, 5.0))
+
+
+def steering() -> Sea:
+    """A boat in MANUAL that its pilot took over by a stick, and then drives astern."""
+    sea = at_sea(WITH_RC)
+    hold(sea, rc(), 0.5)
+    hold(sea, rc(ahead=-0.4), 0.3)
+    hold(sea, rc(), 0.3)
+    hold(sea, rc(ahead=-0.5), 0.5)
+    assert sea.state == "MANUAL" and max(sea.commands) < 0
+    return sea
+
+
+@pytest.mark.parametrize("confirmation", [0, 1])
+def test_an_order_does_not_take_the_boat_from_a_pilot_who_steers(confirmation: int) -> None:
+    sea = steering()
+    tick = sea.order(SET_MODE, 1.0, float(FORMATION), confirmation=confirmation)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    hold(sea, rc(ahead=-0.5), 0.3)
+    assert sea.state == "MANUAL" and max(sea.commands) < 0
+
+
+def test_a_retransmission_does_not_undo_a_pilots_takeover_but_a_new_order_ends_it() -> None:
+    sea = steering()
+    hold(sea, rc(), 0.3)
+    tick = sea.order(SET_MODE, 1.0, float(FORMATION), confirmation=1)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "MANUAL"
+    hold(sea, rc(), 0.3)
+    assert acks(sea.order(SET_MODE, 1.0, float(FORMATION))) == [(SET_MODE, ACCEPTED)]
+    hold(sea, rc(), 0.3)
+    assert sea.state == "FORMATION"
 
 
 def test_an_operators_motor_test_does_not_take_the_boat_from_a_pilot() -> None:

@@ -9,7 +9,7 @@ from tests.target.sea import at_sea, texts
 from tests.target.stations import FORMATION, HOLD
 
 LIMITS = {
-    "own": ("FS_NAV_S", "own state"),
+    "own": ("FS_NAV_S", "navigation data"),
     "leader": ("FS_LEADER_S", "leader"),
     "escs": ("FS_ESC_S", "ESC"),
 }

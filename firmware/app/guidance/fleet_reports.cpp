@@ -85,7 +85,7 @@ void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
     member->was_in = member->was_in || value->value > 0;
     member->note(member->root == own_ && member->was_in && !(value->value > 0), now_us, wait_us_);
   } else if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
-    if (from != leader_ || beat->autopilot == mav::kAutopilotInvalid) return;
+    if (from != leader_ || !link::is_vehicle(*beat)) return;
     constexpr std::uint8_t kSails = mav::kModeFlagCustom | mav::kModeFlagArmed;
     const bool returns = beat->custom_mode == mode::kReturn && (beat->base_mode & kSails) == kSails;
     if (!returns) returns_ = 0;

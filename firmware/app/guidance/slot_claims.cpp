@@ -15,11 +15,6 @@ constexpr std::int64_t kSettles_us = 2'000'000;
 // Time for the other boat to stop, and for this one to hear of it.
 constexpr std::int64_t kYields_us = 2'000'000;
 
-bool is_vessel(const link::Heartbeat& beat) {
-  return beat.type != mav::kTypeGeneric && beat.type != mav::kTypeGcs &&
-         beat.type != mav::kTypeOnboardController && beat.autopilot != mav::kAutopilotInvalid;
-}
-
 }  // namespace
 
 void SlotClaims::configure(std::uint8_t own_system, std::uint8_t leader,
@@ -47,7 +42,7 @@ void SlotClaims::hear(const link::Received& received, bool may_claim, const Tree
   const auto* told = std::get_if<link::FormationReference>(&received.message);
   if (from == leader_) {
     leader_is_vessel_ =
-        leader_is_vessel_ || told != nullptr || (beat != nullptr && is_vessel(*beat));
+        leader_is_vessel_ || told != nullptr || (beat != nullptr && link::is_vehicle(*beat));
   }
   if (told == nullptr || !may_claim || from == leader_ || from == own_) return;
   const auto mine = place.offset(now_us);

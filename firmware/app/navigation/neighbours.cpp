@@ -48,14 +48,6 @@ std::uint16_t milliseconds(std::int64_t us) {
   return static_cast<std::uint16_t>(std::clamp<std::int64_t>(us, 0, kMost_us) / 1000);
 }
 
-bool is_vehicle(const link::Heartbeat& beat) {
-  // MAV_TYPE: generic, tracker, station, companion, and parts of vehicles. Source: mavlink.io.
-  constexpr std::array<std::uint8_t, 22> kNone{0,  5,  6,  18, 26, 27, 30, 31, 32, 33, 34,
-                                               36, 37, 38, 39, 40, 41, 42, 44, 48, 49, 50};
-  return beat.autopilot != link::mav::kAutopilotInvalid &&
-         std::ranges::find(kNone, beat.type) == kNone.end();
-}
-
 /// A message that no other firmware sends.
 bool is_ours(const link::Message& message) {
   return std::holds_alternative<link::FormationReference>(message) ||
@@ -103,7 +95,7 @@ void Neighbours::take_news(const link::Received& received, const convert::Positi
 /// no place came between two heartbeats.
 void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& message,
                                 std::int64_t now_us) {
-  if (!is_vehicle(message)) return;
+  if (!link::is_vehicle(message)) return;
   constexpr unsigned kBySelf = link::mav::kModeFlagAuto | link::mav::kModeFlagGuided;
   std::uint8_t& autopilot = autopilot_[from.system];
   const bool told = std::ranges::any_of(

@@ -264,7 +264,7 @@ bool stops_boat(const link::Message& message) {
 }
 
 /// Items of an upload overwrite nothing, because they are numbered.
-Effects effects_of(const RequestMessage& request, bool may_command) {
+[[gnu::noinline]] Effects effects_of(const RequestMessage& request, bool may_command) {
   Effects out;
   const auto command = command_of(request);
   if (!command) {
@@ -279,7 +279,7 @@ Effects effects_of(const RequestMessage& request, bool may_command) {
   out.stops = may_command ? stops : out.ends;
   out.asks_state = asked.request != Request::kNone;
   out.reads = asked.reads_only();
-  out.overwrites = !out.reads;
+  out.overwrites = !out.reads && !stops;
   return out;
 }
 

@@ -90,7 +90,7 @@ struct Effects {
   bool ends : 1 = false;        ///< disarms or terminates
   bool asks_state : 1 = false;  ///< asks for a state, so it could undo an earlier stop
   bool reads : 1 = false;       ///< asks for a message
-  bool overwrites : 1 = false;  ///< a late copy of it could undo a newer request
+  bool overwrites : 1 = false;  ///< does not stop; a late copy of it could undo a newer request
 };
 /// may_command: whether the sender's HOLD is obeyed.
 Effects effects_of(const RequestMessage& request, bool may_command);

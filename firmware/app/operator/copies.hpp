@@ -17,20 +17,32 @@ namespace flotilla::app {
 class Copies {
  public:
   /// Notes the message; true if the same one, with the same checksum, arrived on another link
-  /// within the last 5 s.
+  /// within the last 5 s. If there were too many messages in that time to remember each, also true
+  /// if it comes on another link than its sender's last one.
   bool note_and_match(const link::Received& received, std::span<const std::uint8_t> frame,
                       std::size_t link, std::int64_t now_us) {
     constexpr std::uint32_t kLate_ms = 5000;
     const Seen now{
         static_cast<std::uint32_t>(now_us / 1000), received.id,    received.from, received.sequence,
         static_cast<std::uint8_t>(link),           checksum(frame)};
-    const bool copy = std::ranges::any_of(seen_, [&](const Seen& then) {
-      return then.link != now.link && then.sequence == now.sequence && then.id == now.id &&
-             then.from == now.from && then.checksum == now.checksum && now.ms - then.ms < kLate_ms;
-    });
+    const auto recent = [&](const Seen& then) {
+      return then.from == now.from && now.ms - then.ms < kLate_ms;
+    };
+    const bool forgets = recent(seen_[next_]);
+    bool elsewhere = false;
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const Seen& then = seen_[(next_ + i) % seen_.size()];  // the oldest first
+      if (!recent(then)) continue;
+      elsewhere = then.link != now.link;
+      if (elsewhere && then.sequence == now.sequence && then.id == now.id &&
+          then.checksum == now.checksum) {
+        return true;
+      }
+    }
+    if (forgets && elsewhere) return true;
     seen_[next_] = now;
     next_ = (next_ + 1) % seen_.size();
-    return copy;
+    return false;
   }
 
  private:

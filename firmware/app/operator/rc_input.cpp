@@ -22,6 +22,8 @@ constexpr std::int64_t kSilent_us = 500'000;
 
 bool is_pulse(std::uint16_t us) { return us >= 800 && us <= 2200; }
 
+bool is_neutral(std::uint16_t us) { return us >= 1380 && us <= 1620; }  // as kMoved
+
 double share_of(std::uint16_t us) { return std::clamp((us - 1500) / 400.0, -1.0, 1.0); }
 
 }  // namespace
@@ -43,6 +45,7 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
   pilots_ = pilots(now_us);
   heard_us_ = now_us;
   sticks_ = {share_of(throttle), share_of(steering)};
+  neutral_ = is_neutral(throttle) && is_neutral(steering);
   const bool was_on = std::exchange(on_, turned > kSwitchedOn_us), law = core::law_drives(state);
   if (!std::exchange(resting_, law)) rest_ = sticks_;
   const bool moved =

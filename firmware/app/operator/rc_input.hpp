@@ -39,6 +39,8 @@ class RcInput {
   bool pilots(std::int64_t now_us) const;
   /// The pilot's switch is on.
   bool holds(std::int64_t now_us) const { return on_ && is_heard(now_us); }
+  /// The pilot has taken over, and a stick is off neutral.
+  bool steers(std::int64_t now_us) const { return pilots(now_us) && !neutral_; }
   std::optional<Sticks> sticks() const { return pilots_ ? std::optional(sticks_) : std::nullopt; }
 
   /// The pilot's pending request, MANUAL or HOLD. While the switch is on: MANUAL again and again; a
@@ -59,6 +61,7 @@ class RcInput {
   Sticks sticks_, rest_;
   std::int64_t heard_us_ = 0;                           // when the last valid pulses came
   bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
+  bool neutral_ = false;
   Lost lost_;
   std::uint8_t sender_ = 0;  // in use
   std::optional<core::Request> asks_;

@@ -25,12 +25,12 @@ class RcPilots {
   /// Takes RC_CHANNELS and RC_CHANNELS_OVERRIDE, and the receiver's health from SYS_STATUS; passes
   /// the sticks of a pilot who has taken over to the supervisor. False if the message is to be
   /// treated as any other.
-  bool take(std::size_t link, const link::Received& received, const Rules& rules,
-            Supervisor& supervisor, std::int64_t now_us);
+  [[gnu::noinline]] bool take(std::size_t link, const link::Received& received, const Rules& rules,
+                              Supervisor& supervisor, std::int64_t now_us);
 
-  /// A pilot's switch is on.
+  /// A pilot's switch is on, or the pilot at the transmitter steers.
   bool hold(std::int64_t now_us) const {
-    return transmitter_.holds(now_us) || overrides_.holds(now_us);
+    return transmitter_.holds(now_us) || transmitter_.steers(now_us) || overrides_.holds(now_us);
   }
 
   /// The pending request, MANUAL or HOLD.

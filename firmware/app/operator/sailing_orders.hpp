@@ -13,10 +13,10 @@ namespace flotilla::app {
 
 class SailingOrders {
  public:
-  /// Sets a target for GUIDED, instead of velocities. A new target ends a pause; the same one again
-  /// does not, because it may be a late copy.
-  void go_to(const Target& target) {
-    paused_ = paused_ && ordered_ == target;
+  /// Sets a target for GUIDED, instead of velocities, and ends a pause. The same target again ends
+  /// no pause that has just begun, because it may be a late copy.
+  void go_to(const Target& target, std::int64_t now_us) {
+    paused_ = ordered_ == target && was_just_paused(now_us);
     ordered_ = target_ = target;
     drive_.reset();
   }

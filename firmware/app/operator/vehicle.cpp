@@ -185,8 +185,9 @@ void Vehicle::stop(link::Counters& counters) {
 
 void Vehicle::apply_rc(link::Counters& counters) {
   const auto asked = rc_.take_request(supervisor_.state(), now_us_);
+  if (asked == Request::kManual) recent_.note_order({}, now_us_);
   if (asked == Request::kHold) {
-    stop_.note_pilots(now_us_);
+    recent_.note_pilots_stop(now_us_);
     drop_orders(counters);
   }
   if (asked) request(*asked, counters);
@@ -300,10 +301,10 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
   const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
   if (missing == 0) {
     const State state = supervisor_.state();
-    const auto* const why = is_barred(request)          ? "a pilot's switch is on"
+    const auto* const why = is_barred(request)          ? "a pilot has the controls"
                             : state == State::kFault    ? "FAULT, disarm first"
                             : state == State::kDisarmed ? "arm first"
-                            : state == State::kHold     ? "motor test thrust is below THR_DEAD"
+                            : state == State::kHold     ? "test thrust is below THR_DEAD"
                                                         : "HOLD first";
     texts_.send(mav::kSeverityWarning, {what, why}, counters);
     return;

@@ -16,7 +16,7 @@
 #include "app/operator/inbox.hpp"
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/rc_pilots.hpp"
-#include "app/operator/recent_stop.hpp"
+#include "app/operator/recent_orders.hpp"
 #include "app/operator/router.hpp"
 #include "app/operator/sailing_orders.hpp"
 #include "app/operator/services/log_service.hpp"
@@ -170,7 +170,7 @@ class Vehicle {
                      link::Counters& counters);
   std::optional<PlanReport> plan_report() const;
   void refresh();
-  /// While a pilot's switch is on, an operator may only arm and stop the boat.
+  /// While a pilot has the controls, an operator may only arm and stop the boat.
   bool is_barred(core::Request request) const {
     return core::kind_of(request) == core::RequestKind::kDrives && rc_.hold(now_us_);
   }
@@ -211,7 +211,7 @@ class Vehicle {
   StatusTexts texts_;
   TimesyncSender timesync_;
   SailingOrders orders_;
-  RecentStop stop_;
+  RecentOrders recent_;
   std::optional<std::size_t> reached_;  // last item reached
   Setpoints setpoints_;
   RcPilots rc_;

@@ -219,15 +219,18 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked = {mav::kDenied};
     asked.why = "mode 6 after setpoints is OFFBOARD";
   }
-  if (asked.request != Request::kNone &&
-      !stop_.admits(pending, asked.request, command.repeated, now_us_)) {
-    asked = {mav::kTemporarilyRejected};
-    asked.why = "boat was just stopped: ask again in 5 s";
+  if (asked.request != Request::kNone) {
+    const auto why = recent_.judge(pending, asked.request, command.repeated, now_us_);
+    if (!why.empty()) asked = {mav::kTemporarilyRejected};
+    asked.why = why.empty() ? asked.why : why;
   }
   if (asked.target) judge_target(asked);
   Supervisor::Decision decision{true, false, 0};
   if (asked.request == Request::kArm) warn_of_signing(counters);
   if (asked.request != Request::kNone) decision = ask(asked);
+  if (decision.granted && core::RequestKind::kArms < core::kind_of(asked.request)) {
+    recent_.note_order(pending.from, now_us_);
+  }
   if (asked.rate && !sender_.streams().set(link, asked.rate->id, asked.rate->interval_us,
                                            links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
@@ -235,13 +238,12 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   // AUTO again at the plan's end begins the plan anew.
   const bool stays = decision.granted && !decision.changed && !command.repeated;
   if (asked.request == Request::kAuto && stays && missions_.is_complete()) asked.item = 0;
-  if (asked.item || asked.paused)
-    asked.result = answer_of_plan(asked, command.repeated);  // not set if denied
-  // A new order ends a pause; a repeated one may be a late copy of an order before the pause.
-  if (sails_alone(asked.request) && !asked.target && decision.granted && !command.repeated) {
-    orders_.pause(false, now_us_);
+  const bool judged = FLOTILLA_KEEPS_FLEET != 0 || !command.repeated;  // see answer_of_plan()
+  const bool resumes = sails_alone(asked.request) && !asked.target && decision.granted && judged;
+  if (asked.item || asked.paused || resumes) {  // not set if denied
+    asked.result = answer_of_plan(asked, command.repeated);
   }
-  if (asked.target && decision.granted) orders_.go_to(*asked.target);
+  if (asked.target && decision.granted) orders_.go_to(*asked.target, now_us_);
   if (asked.fence) asked.result = answer_of_fence(asked, command.repeated);
   if (asked.message) {
     refresh();

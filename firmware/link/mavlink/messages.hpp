@@ -3,6 +3,7 @@
 // set), generated from messages.txt by generate.py during the build.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "dialect/messages.hpp"
@@ -27,6 +28,16 @@ inline bool tells_motion(const Message& message) {
          std::holds_alternative<Odometry>(message) ||
          std::holds_alternative<GlobalPositionInt>(message) ||
          std::holds_alternative<FollowTarget>(message);
+}
+
+/// Whether the sender is a vehicle, and no ground station, companion or part of a vehicle.
+[[gnu::noinline]] inline bool is_vehicle(const Heartbeat& beat) {
+  // MAV_TYPE: generic, tracker, station, companion, and parts of vehicles. Source: mavlink.io.
+  constexpr std::array<std::uint8_t, 22> kNone{0,  5,  6,  18, 26, 27, 30, 31, 32, 33, 34,
+                                               36, 37, 38, 39, 40, 41, 42, 44, 48, 49, 50};
+  bool vehicle = beat.autopilot != mav::kAutopilotInvalid;
+  for (const std::uint8_t none : kNone) vehicle = vehicle && beat.type != none;
+  return vehicle;
 }
 
 }  // namespace flotilla::link

@@ -306,6 +306,18 @@ def test_a_mistake_is_reported_in_one_line_and_changes_nothing(
     assert not out.exists()
 
 
+def test_a_finished_campaign_that_is_replaced_by_another_is_named(
+    scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert main(command(scenario, out)) == 0
+    assert main(command(scenario, out)) == 0
+    assert "replaces" not in capsys.readouterr().out
+    assert main([*command(scenario, out), "--runs", "1"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"held a finished campaign of {RUNS} runs, which this one replaces" in told
+
+
 def test_a_voyage_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["campaign", "voyage", "--runs", "1", "--out", str(tmp_path / "out")]) == 2
     assert_told_in_one_line("voyage: a campaign judges boats by their slots", capsys)

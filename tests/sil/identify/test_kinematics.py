@@ -43,6 +43,8 @@ SPOILT: dict[str, tuple[Callable[[Array], Array], str]] = {
     "speed in knots": (lambda m: m * [1, 1, 1, 1.944, 1.944, 1], "their units"),
     "speed astern": (lambda m: m * [1, 1, 1, -1, -1, 1], "their signs"),
     "heading anticlockwise": (lambda m: m * [1, 1, -1, 1, 1, 1], "heading turns by -1°"),
+    "yaw rate said to be in degrees": (lambda m: m * [1, 1, 1, 1, 1, 1 / 57.3], "by 57°"),
+    "speed said to be in mm/s": (lambda m: m * [1, 1, 1, 1e-3, 1e-3, 1], "their units"),
     "yaw rate in degrees": (lambda m: m * [1, 1, 1, 1, 1, 57.3], "heading turns by 0.017°"),
 }
 

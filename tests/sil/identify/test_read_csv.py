@@ -196,6 +196,14 @@ def test_a_column_without_values_is_refused(
         read_csv(written(tmp_path, table | empty))
 
 
+def test_a_last_line_that_was_cut_off_is_left_out(tmp_path: Path) -> None:
+    path = written(tmp_path, columns())
+    whole, _ = read_csv(path)
+    path.write_text(path.read_text() + "99.9,1.5,2")
+    cut, _ = read_csv(path)
+    assert np.array_equal(whole.motion, cut.motion)
+
+
 def test_a_log_that_is_given_twice_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path, columns())
     other = tmp_path / "other.csv"
@@ -210,7 +218,8 @@ def test_a_log_that_is_given_twice_is_refused(tmp_path: Path) -> None:
         ("", "does not name the columns"),
         ("1,2,3\n4,5,6\n", "does not name the columns"),
         ("t_s,north_m\n1,2\n2,3\n", "no column"),
-        ("t_s,north_m\n1,2\n2\n3,4\n5\n", r"log.csv: .*#3 .*1 columns instead of 2"),
+        ("t_s,north_m\n1,2\n2\n3,4\n5\n", r"log.csv: line 3 has 1 values, for 2 columns"),
+        ("t_s;north_m\n1;2\n2;3\n", r"log.csv: the columns must be separated by commas"),
         ("t_s,port\n", "log.csv"),
     ],
 )

@@ -153,6 +153,24 @@ def test_converting_the_folder_again_gives_as_many_messages_of_each_topic(
     }
 
 
+@pytest.mark.parametrize("name", ["trace.npz", "recording.bin"])
+def test_converting_replaces_no_other_file_of_the_run(
+    name: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = shutil.copytree(folder, tmp_path / "run")
+    before = (run / name).read_bytes()
+    assert flotilla(["convert", str(run), "--out", str(run / name)]) == 2
+    assert_told_in_one_line("is a file of the run to convert: choose another --out", capsys)
+    assert (run / name).read_bytes() == before
+
+
+def test_a_folder_without_a_recording_cannot_be_replayed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert flotilla(["replay", str(tmp_path)]) == 2
+    assert_told_in_one_line(f"{tmp_path} has no recording: only flotilla run leaves one", capsys)
+
+
 def test_a_run_without_mcap_removes_that_of_an_earlier_one(tmp_path: Path) -> None:
     (tmp_path / NAME).write_bytes(b"old")
     assert main(["run", "turning", "--set", "duration_s=1", "--out", str(tmp_path)]) == 0
