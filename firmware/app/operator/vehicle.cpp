@@ -87,14 +87,13 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   if (received.target.system != 0) forward(link, received, now_us, counters);
   if (!identity_.addressed(received.target)) return true;
   if (Setpoints::is_one(received.id)) setpoints_.heard(received.from, now_us);
-  const RcPilots::Rules rules{configuration_.operators.rc_switch, self().system,
-                              is_for_us(received) && may_command(received.from)};
+  const bool ours = received.target.system != 0 && !identity_.is_for_autopilot(received.target);
+  const bool obeyed = ours && may_command(received.from);
+  const RcPilots::Rules rules{configuration_.operators.rc_switch, self().system, obeyed};
   if (rc_.take(link, received, rules, supervisor_, now_us)) return true;
-  if (is_for_us(received)) {
-    if (const auto why = refusal_of(received.id); !why.empty()) ignored_ = why;
-  }
+  if (const auto why = refusal_of(received.id); ours && !why.empty()) ignored_ = why;
   if (const auto* sticks = std::get_if<link::ManualControl>(&received.message)) {
-    take_sticks(link, received, *sticks, now_us, counters);
+    if (obeyed) take_sticks(link, received.from, *sticks, now_us, counters);
     return true;
   }
   const RequestMessage request = std::visit(RequestOf{ftp_}, received.message);
@@ -134,19 +133,16 @@ void Vehicle::forward(std::size_t link, const link::Received& received, std::int
   }
 }
 
-/// Accepts sticks only from an operator who may command, only if addressed to this boat, and not
-/// while a pilot's switch is on.
-void Vehicle::take_sticks(std::size_t link, const link::Received& received,
-                          const link::ManualControl& message, std::int64_t now_us,
-                          link::Counters& counters) {
+/// Takes the sticks of an operator who may command, but not while a pilot has the controls.
+void Vehicle::take_sticks(std::size_t link, link::Address from, const link::ManualControl& message,
+                          std::int64_t now_us, link::Counters& counters) {
   const auto surge = convert::stick_of(message.x), yaw = convert::stick_of(message.r);
   if (!surge || !yaw) {
     ++counters.mavlink_bad_value;
     return;
   }
-  if (is_for_us(received) && !rc_.hold(now_us_) && may_command(received.from) &&
-      stick_link_.takes(received.from, link, now_us)) {
-    supervisor_.take_sticks({*surge, *yaw}, received.from, now_us);
+  if (!rc_.hold(now_us_) && stick_link_.takes(from, link, now_us)) {
+    supervisor_.take_sticks({*surge, *yaw}, from, now_us);
   }
 }
 

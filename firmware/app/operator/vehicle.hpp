@@ -142,7 +142,7 @@ class Vehicle {
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
   // Rare work is cold: inlined, it would enlarge the stack of `take`, which handles every state.
-  [[gnu::cold]] void take_sticks(std::size_t link, const link::Received& received,
+  [[gnu::cold]] void take_sticks(std::size_t link, link::Address from,
                                  const link::ManualControl& sticks, std::int64_t now_us,
                                  link::Counters& counters);
   [[gnu::cold]] void keep(std::size_t link, const link::Received& received,
@@ -173,9 +173,6 @@ class Vehicle {
   /// While a pilot has the controls, an operator may only arm and stop the boat.
   bool is_barred(core::Request request) const {
     return core::kind_of(request) == core::RequestKind::kDrives && rc_.hold(now_us_);
-  }
-  bool is_for_us(const link::Received& received) const {
-    return received.target.system != 0 && !identity_.is_for_autopilot(received.target);
   }
   void drop_orders(link::Counters& counters);
   Supervisor::Decision judge(core::Request request);
