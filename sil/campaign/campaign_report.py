@@ -70,6 +70,7 @@ def page(
         of=_of(campaign),
         lost=_replays(campaign, page_tables.LOST, last_lost),
         more=f"and {more} more, in table.parquet" if more else "",
+        near=_replays(campaign, page_tables.NEAR, page_tables.near(campaign)),
         worst=_replays(campaign, page_tables.WORST, page_tables.worst(campaign)),
         replay=_replay(worst_told),
         thrust=_table(page_tables.THRUST, page_tables.thrust(campaign)),

@@ -29,6 +29,7 @@ ERRORS = (
 THRUST = ("boat", "RMS (N)", "RMS, 95 % (N)", "step RMS (N)", "step RMS, 95 % (N)")
 WORST = ("run", "boat", "95 % of |e| (m)", "RMS (m)")
 LOST = ("run", "outcome", "reason")
+NEAR = ("run", "closest two boats (m)")
 MOST_WORST, MOST_LOST = 5, 20
 
 
@@ -102,6 +103,16 @@ def lost(campaign: Campaign) -> tuple[list[tuple[int, Cells]], int]:
     return rows, max(0, found.size - MOST_LOST)
 
 
+def near(campaign: Campaign) -> list[tuple[int, Cells]]:
+    """Runs in which two boats came nearer than a hull's length, the nearest first."""
+    if campaign.boats < 2:
+        return []
+    least_m = campaign.cells["min_separation_m"][:, 0]
+    order = np.argsort(least_m, kind="stable")[: int(np.sum(least_m < _longest_m(campaign)))]
+    found = [(int(campaign.runs[index]), least_m[index]) for index in order[:MOST_WORST]]
+    return [(run, [str(run), number(apart_m, 2)]) for run, apart_m in found]
+
+
 def separation(campaign: Campaign) -> str:
     """A sentence on the closest two boats of a run, over the runs that did not diverge."""
     ok = campaign.ok
@@ -118,7 +129,7 @@ def separation(campaign: Campaign) -> str:
 
 def ended(campaign: Campaign) -> Ended:
     """Numbers of runs by their end, for the verdict."""
-    hull_m = _hull_m(campaign.header.get("document", {}))
+    hull_m = _longest_m(campaign)
     least_m = campaign.cells["min_separation_m"][:, 0]
     return Ended(
         runs=campaign.runs.size,
@@ -130,8 +141,9 @@ def ended(campaign: Campaign) -> Ended:
     )
 
 
-def _hull_m(document: Mapping[str, Any]) -> float:
-    """Length of the longest hull of a scenario's document."""
+def _longest_m(campaign: Campaign) -> float:
+    """Length of the longest hull of the campaign's scenario."""
+    document: Mapping[str, Any] = campaign.header.get("document", {})
     tables = [document, *document.get("boat", [])]
     return max(table.get("vessel", {}).get("length_m") or LENGTH_M for table in tables)
 

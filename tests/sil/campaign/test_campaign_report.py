@@ -104,6 +104,15 @@ def test_worst_runs_are_listed_in_order_without_the_lost_ones(page: str) -> None
     assert errors_m == pytest.approx([1.6 * float(row[3]) for row in rows], abs=2e-4)
 
 
+def test_runs_in_which_two_boats_came_too_near_are_listed_nearest_first(page: str) -> None:
+    verdict = re.search(r"in (\d+) two boats came nearer", page)
+    _, *rows = rows_under("Runs in which two boats came nearer", page)
+    apart_m = [float(row[1]) for row in rows]
+    assert verdict and len(rows) == min(5, int(verdict[1])) and len(rows) > 1
+    assert apart_m == sorted(apart_m) and max(apart_m) < 1.0
+    assert rows[0][2] == f"<code>{COMMAND} --run {rows[0][0]}</code> {COPY}"
+
+
 def test_percentile_that_reaches_into_the_runs_that_diverged_is_infinite(page: str) -> None:
     head, *rows = rows_under("Distances from the slots from 60 s on", page)
     # 3 of the 39 that sailed are 7.7 %
