@@ -29,7 +29,7 @@ core::ControllerOutput<S> Alone<S>::sail(const Now& now, S dt) {
   if (now.state == core::State::kAuto) return sail_plan(now, dt);
   if (now.state == core::State::kGuided) return sail_guided(now, dt);
   keep_fence(now);
-  return pilot_.sail(errands_.plan(), vehicle_.orders().is_paused(), now.now_us, dt);
+  return guidance_.sail(errands_.plan(), vehicle_.orders().is_paused(), now.now_us, dt);
 }
 
 template <class S>
@@ -43,16 +43,16 @@ void Alone<S>::start_plan(std::int64_t now_us) {
   MissionService& missions = vehicle_.missions();
   missions.begin_round();
   voyage_.begin_plan({missions.round(), missions.current(), missions.progress().jumps()});
-  pilot_.start_plan({.plan = missions.plan(),
-                     .first = missions.current(),
-                     .start_m = missions.start_m(missions.current()),
-                     .home = home(),
-                     .progress = missions.progress(),
-                     .pauses = missions.pauses(),
-                     .voyage_is_over = voyage_.is_over(),
-                     .fence = &missions.fence()},
-                    configuration().plan);
-  pilot_.reports().forget_waits(now_us);
+  guidance_.start_plan({.plan = missions.plan(),
+                        .first = missions.current(),
+                        .start_m = missions.start_m(missions.current()),
+                        .home = home(),
+                        .progress = missions.progress(),
+                        .pauses = missions.pauses(),
+                        .voyage_is_over = voyage_.is_over(),
+                        .fence = &missions.fence()},
+                       configuration().plan);
+  guidance_.reports().forget_waits(now_us);
   warnings_.forget_waiting();
 }
 
@@ -61,7 +61,8 @@ void Alone<S>::start_errand(const Now& now) {
   voyage_.interrupt();
   const std::optional<Target> asked = vehicle_.orders().take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
-  const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
+  const Target here =
+      at_fence ? Target{convert::global_of(guidance_.place())} : guidance_.stop_ahead();
   lost_s_ = 0;
   asked_ = now.state == core::State::kGuided ? asked : std::nullopt;
   if (now.state == core::State::kReturn) return sail_back(here);
@@ -73,7 +74,7 @@ template <class S>
 void Alone<S>::sail_back(const Target& meanwhile) {
   const auto home = this->home();
   if (!home) return sail_round(meanwhile, meanwhile);
-  sail_round({return_place(pilot_.place(), *home)}, meanwhile);
+  sail_round({return_place(guidance_.place(), *home)}, meanwhile);
 }
 
 template <class S>
@@ -85,7 +86,7 @@ convert::GlobalPoint Alone<S>::return_place(const convert::Position& here,
 
 template <class S>
 void Alone<S>::sail_round(const Target& target, const Target& meanwhile) {
-  errands_.sail_round(vehicle_.missions().fence(), pilot_.place(), target, meanwhile,
+  errands_.sail_round(vehicle_.missions().fence(), guidance_.place(), target, meanwhile,
                       configuration().plan.margin_m);
   tell_way();
   sail_errand();
@@ -93,7 +94,7 @@ void Alone<S>::sail_round(const Target& target, const Target& meanwhile) {
 
 template <class S>
 void Alone<S>::sail_errand() {
-  pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
+  guidance_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
 /// Continues the search for a way round the forbidden zones; begins it again when the fence has
@@ -105,7 +106,7 @@ void Alone<S>::keep_fence(const Now& now) {
   const Fence& fence = vehicle_.missions().fence();
   const bool returns = now.state == core::State::kReturn;
   const auto sail_anew = [&] {
-    const Target here{convert::global_of(pilot_.place())};
+    const Target here{convert::global_of(guidance_.place())};
     returns ? sail_back(here) : sail_round(asked_.value_or(here), here);
   };
   if (errands_.is_outdated(fence)) return returns ? look_again() : sail_anew();
@@ -123,7 +124,7 @@ template <class S>
 void Alone<S>::look_again() {
   const auto home = this->home();
   if (!asked_ && !home) return;
-  const convert::Position here = pilot_.place();
+  const convert::Position here = guidance_.place();
   const Target goal = asked_ ? *asked_ : Target{return_place(here, *home)};
   const Fence& fence = vehicle_.missions().fence();
   if (errands_.look_again(fence, here, goal, configuration().plan.margin_m)) {
@@ -137,7 +138,7 @@ void Alone<S>::look_again() {
 /// vessel's next place, respect the fence.
 template <class S>
 bool Alone<S>::leg_keeps_fence() const {
-  const PlanVessel<S>& sailed = pilot_.plan_vessel();
+  const PlanVessel<S>& sailed = guidance_.plan_vessel();
   const auto ahead = place_of(errands_.plan()[sailed.item()]);
   return is_free(convert::global_of(sailed.place())) && (!ahead || is_free(*ahead));
 }
@@ -148,7 +149,7 @@ template <class S>
 bool Alone<S>::is_free(const convert::GlobalPoint& ahead) const {
   constexpr Fence::Length kNone{0};
   const Fence& fence = vehicle_.missions().fence();
-  const auto from = fence.on_map(pilot_.place()), to = fence.on_map(ahead);
+  const auto from = fence.on_map(guidance_.place()), to = fence.on_map(ahead);
   if (!from || !to || !(kNone < fence.clearance(*from))) return true;
   return kNone < fence.clearance(*from, *to);
 }
@@ -168,7 +169,7 @@ void Alone<S>::change_speed(float speed_mps) {
   const float asked_mps = speed_mps > 0 ? speed_mps : plan.speed_mps;
   const float most_mps = plan.fastest_mps > 0 ? plan.fastest_mps : asked_mps;
   errands_.set_speed(speed_mps);
-  pilot_.set_speed(convert::scalar<S>(std::min(asked_mps, most_mps)));
+  guidance_.set_speed(convert::scalar<S>(std::min(asked_mps, most_mps)));
 }
 
 template <class S>
@@ -184,22 +185,22 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
   driven_ = drive.has_value();
   if (!drive) keep_fence(now);
   const bool paused = vehicle_.orders().is_paused();
-  return drive ? pilot_.drive(convert::drive_of<S>(*drive), paused, now.now_us, dt)
-               : pilot_.sail(errands_.plan(), paused, now.now_us, dt);
+  return drive ? guidance_.drive(convert::drive_of<S>(*drive), paused, now.now_us, dt)
+               : guidance_.sail(errands_.plan(), paused, now.now_us, dt);
 }
 
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
   if (vehicle_.missions().take_jump()) start_plan(now.now_us);
   const core::ControllerOutput<S> out = sail_items(now, dt);
-  PlanVessel<S>& sailed = pilot_.plan_vessel();
+  PlanVessel<S>& sailed = guidance_.plan_vessel();
   auto reached = sailed.reached();
   if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
   vehicle_.report_progress(sailed.ahead(), reached, sailed.has_arrived(), counters_);
   if (sailed.take_pause()) pause_plan(now.now_us);
   if (const auto set = sailed.take_home()) {
     const auto place = home_of(vehicle_.missions().plan()[*set]);
-    limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
+    limits_.set_home(place ? *place : convert::global_of(guidance_.place()));
   }
   return out;
 }
@@ -209,7 +210,8 @@ void Alone<S>::pause_plan(std::int64_t now_us) {
   vehicle_.orders().pause(true, now_us);
   Sentence told;
   told << "Plan paused after item "
-       << static_cast<float>(pilot_.plan_vessel().reached().value_or(0)) << ": autocontinue is 0";
+       << static_cast<float>(guidance_.plan_vessel().reached().value_or(0))
+       << ": autocontinue is 0";
   vehicle_.texts().send(link::mav::kSeverityInfo, {told.text()}, counters_);
 }
 
@@ -218,18 +220,18 @@ template <class S>
 core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
   const MissionService& missions = vehicle_.missions();
   if (kSailsVoyages && !voyage_.is_on()) {
-    const PlanMark at = pilot_.plan_vessel().ahead();
-    voyage_.begin(missions.plan()[at.item], {missions.round(), at.item, at.jumps}, pilot_,
+    const PlanMark at = guidance_.plan_vessel().ahead();
+    voyage_.begin(missions.plan()[at.item], {missions.round(), at.item, at.jumps}, guidance_,
                   configuration());
   }
   if (kSailsVoyages && voyage_.is_on()) return sail_voyage(now, dt);
   // While the fleet's shape moves, the leader waits for nobody: behind a leader at rest, some slots
   // would move astern.
   const bool paused = vehicle_.orders().is_paused(), waits = !paused && !now.shape_moves;
-  if (!waits) pilot_.reports().forget_waits(now.now_us);
-  const auto late = waits ? pilot_.reports().late(now.now_us) : std::nullopt;
+  if (!waits) guidance_.reports().forget_waits(now.now_us);
+  const auto late = waits ? guidance_.reports().late(now.now_us) : std::nullopt;
   warnings_.tell_waiting(late);
-  return pilot_.sail(missions.plan(), paused || late, now.now_us, dt);
+  return guidance_.sail(missions.plan(), paused || late, now.now_us, dt);
 }
 
 template <class S>
@@ -238,12 +240,12 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
   const PlanItem& centre = missions.plan()[voyage_.item()];
   if (way_due_.take_if_due(now.now_us)) {
     const auto& [plan, failsafes] = std::tie(configuration().plan, configuration().failsafes);
-    voyage_.look(pilot_, {missions.fence(), plan.margin_m, home(), failsafes.fence_m},
+    voyage_.look(guidance_, {missions.fence(), plan.margin_m, home(), failsafes.fence_m},
                  speeds_of(plan), now.now_us);
   }
   const bool waits = vehicle_.orders().is_paused() || (now.conditions & core::kClear) == 0;
   core::ControllerOutput<S> out;
-  out.allocation.thrust = voyage_.forward(pilot_, {centre.x, centre.y}, waits, now.now_us, dt);
+  out.allocation.thrust = voyage_.forward(guidance_, {centre.x, centre.y}, waits, now.now_us, dt);
   if (const auto news = voyage_.take_news()) {
     const bool lost = news->kind == VoyageNews::Kind::kLost;
     vehicle_.texts().send(lost ? link::mav::kSeverityError : link::mav::kSeverityInfo,

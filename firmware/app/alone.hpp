@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "app/conditions.hpp"
-#include "app/guidance/voyage_pilot.hpp"
+#include "app/guidance/voyage_guidance.hpp"
 #include "app/operator/telemetry/warnings.hpp"
 #include "app/operator/vehicle.hpp"
 #include "app/plan/errands.hpp"
@@ -29,10 +29,10 @@ class Alone {
   };
 
   /// All must outlive this.
-  Alone(Vehicle& vehicle, Pilot<S>& pilot, FailsafeLimits& limits, Warnings<S>& warnings,
+  Alone(Vehicle& vehicle, Guidance<S>& guidance, FailsafeLimits& limits, Warnings<S>& warnings,
         link::Counters& counters)
       : vehicle_(vehicle),
-        pilot_(pilot),
+        guidance_(guidance),
         limits_(limits),
         warnings_(warnings),
         counters_(counters) {}
@@ -75,7 +75,7 @@ class Alone {
   const Configuration& configuration() const { return vehicle_.configuration(); }
 
   Vehicle& vehicle_;
-  Pilot<S>& pilot_;
+  Guidance<S>& guidance_;
   FailsafeLimits& limits_;
   Warnings<S>& warnings_;
   link::Counters& counters_;
@@ -84,7 +84,7 @@ class Alone {
   bool driven_ = false;          // by velocities, in GUIDED
   std::optional<Target> asked_;  // target of GUIDED, if one was asked for
   std::uint8_t lost_s_ = 0;      // since no way was found; 0: the operator was not told
-  VoyagePilot<S> voyage_;        // of AUTO
+  VoyageGuidance<S> voyage_;     // of AUTO
   Schedule way_due_{100'000};
   Schedule leg_due_{1'000'000}, rally_due_{1'000'000};
   bool rally_near_ = false;

@@ -15,17 +15,17 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
     : can_output_(storage.can),
       links_(Identity(configuration_of(p).start).self(), storage.links.first(links),
              storage.mavlink, storage.signing),
-      pilot_(configuration_of(p), convert::law_of<S>(p)),
-      vehicle_(p, supervisor_, links_, pilot_.time_requests(), storage),
+      guidance_(configuration_of(p), convert::law_of<S>(p)),
+      vehicle_(p, supervisor_, links_, guidance_.time_requests(), storage),
       thrusters_(configuration().propulsion, convert::law_of<S>(p)),
       can_({configuration().start.can_node, configuration().start.system},
            configuration().start.tick_us / 2),
       ticks_(p.CTL_RATE),
       fleet_(vehicle_, links_, counters_),
-      learner_(pilot_, can_),
-      warnings_(vehicle_, pilot_, learner_.monitor(), counters_),
-      alone_(vehicle_, pilot_, limits_, warnings_, counters_),
-      parts_{vehicle_, supervisor_, pilot_,      learner_.monitor(), limits_, fence_watch_,
+      learner_(guidance_, can_),
+      warnings_(vehicle_, guidance_, learner_.monitor(), counters_),
+      alone_(vehicle_, guidance_, limits_, warnings_, counters_),
+      parts_{vehicle_, supervisor_, guidance_,   learner_.monitor(), limits_, fence_watch_,
              can_,     host_,       conditions_, law_output_,        thrust_, counters_} {
   range_.clear();
   configure();
@@ -59,7 +59,7 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
     if (const auto* time = std::get_if<link::SystemTime>(&received_.message)) {
       learn_time(link, *time, now_us);
     } else {
-      pilot_.take(received_, link, now_us, counters_, fleet_.sender(received_));
+      guidance_.take(received_, link, now_us, counters_, fleet_.sender(received_));
     }
   }
 }
@@ -69,7 +69,7 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
 template <class S>
 bool Boat<S>::is_namesakes_rc(std::size_t link) const {
   const bool rc = received_.id == link::RcChannels::kId || received_.id == link::SysStatus::kId;
-  return rc && received_.from.system == vehicle_.self().system && pilot_.own_is_elsewhere(link);
+  return rc && received_.from.system == vehicle_.self().system && guidance_.own_is_elsewhere(link);
 }
 
 /// Accepts the time only from the boat's own system, on its navigation unit's link, and only signed
@@ -77,7 +77,7 @@ bool Boat<S>::is_namesakes_rc(std::size_t link) const {
 /// time of signatures never goes back, so one wrong time would outlast the right ones.
 template <class S>
 void Boat<S>::learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us) {
-  if (received_.from.system != vehicle_.self().system || pilot_.own_is_elsewhere(link)) return;
+  if (received_.from.system != vehicle_.self().system || guidance_.own_is_elsewhere(link)) return;
   const std::uint8_t unit = configuration().navigation.component;  // 0: any
   if (unit != 0 && received_.from.component != unit) return;
   if (!received_.is_signed && links_.policy(link) != SigningPolicy::kOff) return;
@@ -153,7 +153,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
   vehicle_.apply_rc(counters_);
   const bool follows = state() == core::State::kFormation || state() == core::State::kCoast;
   if (follows && configuration().formation.returns_alone &&
-      pilot_.reports().leader_returns(now_us)) {
+      guidance_.reports().leader_returns(now_us)) {
     vehicle_.request(core::Request::kReturn, counters_);
   }
   note_state(now_us);
@@ -166,7 +166,7 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
   if (!Membership::kKeepsFleet) return;
   if (fleet_.asks_outlook(now_us)) {
     fleet_.give_places(
-        outlook_of(pilot_, state() == core::State::kAuto, configuration().plan.fastest_mps),
+        outlook_of(guidance_, state() == core::State::kAuto, configuration().plan.fastest_mps),
         now_us);
   }
   const bool stopped = supervisor_.is_stopped_by_request();
@@ -175,18 +175,18 @@ void Boat<S>::consult_fleet(std::int64_t now_us) {
   if (fleet_.take_change()) {
     configure();
     const SlotMotion slot = fleet_.slot_motion();
-    pilot_.move_slot(slot.moves, slot.mps, slot.mps2, slot.soon_mps);
+    guidance_.move_slot(slot.moves, slot.mps, slot.mps2, slot.soon_mps);
     apply_conditions(now_us);
   }
   if (fleet_.obey(order)) note_state(now_us);
 }
 
 /// Called after each answered request, so that leaving FORMATION and returning within one tick
-/// restarts the pilot.
+/// restarts the guidance.
 template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
-  if (was == core::State::kDisarmed && core::armed(state()) && !pilot_.own_quality().told() &&
+  if (was == core::State::kDisarmed && core::armed(state()) && !guidance_.own_quality().told() &&
       (conditions_ & core::kOwnFresh) != 0) {
     vehicle_.texts().send(link::mav::kSeverityInfo,
                           {"navigation quality not reported: not checked"}, counters_);
@@ -196,13 +196,13 @@ void Boat<S>::note_state(std::int64_t now_us) {
   if (was == state()) return;
   // The errand may begin in the tick in which the boat is armed: home is here.
   if (was == core::State::kDisarmed) look_at_limits(now_us);
-  if (core::sails_alone(was)) pilot_.end_plan();
+  if (core::sails_alone(was)) guidance_.end_plan();
   if (core::sails_alone(state())) alone_.start({state(), conditions_, now_us});
   if (state() != core::State::kFormation) return;
   if (was == core::State::kCoast) {
-    pilot_.close_anew();
+    guidance_.close_anew();
   } else {
-    pilot_.start(now_us);
+    guidance_.start(now_us);
   }
 }
 
@@ -215,7 +215,7 @@ void Boat<S>::configure() {
   ModelMonitor& learnt = learner_.monitor();
   const auto law = convert::law_of<S>(learnt.applied(applied));
   learnt.configure(applied, convert::in_float(law.controller.outer.r_max));
-  pilot_.configure(configuration_of(applied), law, vehicle_.self().system);
+  guidance_.configure(configuration_of(applied), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
   thrusters_.set_curves(law);
   range_.judge_parameters();
@@ -233,7 +233,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // While the clock stands still, data never become stale, so nothing can be trusted.
   if (ticks_.clock_stands()) return 0;
   return conditions_of(parts_,
-                       {heard_, range_.is_kept(), slot_astern_.is(), alone_.voyage_is_lost(),
+                       {heard_, range_.is_kept(), slot_astern_.value(), alone_.voyage_is_lost(),
                         alone_.rally_is_near()},
                        now_us);
 }
@@ -246,8 +246,8 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
   const bool armed = core::armed(state());
   const bool fenced = vehicle_.missions().fence().is_on();
   const bool placed = (fenced || limits_.asks_place(failsafes, armed, now_us)) &&
-                      pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
-  const auto place = placed ? std::optional(pilot_.place()) : std::nullopt;
+                      guidance_.located() && (conditions_ & core::kOwnFresh) != 0;
+  const auto place = placed ? std::optional(guidance_.place()) : std::nullopt;
   constexpr core::Conditions kSure = core::kOwnFresh | core::kOwnGood | core::kOwnSteady;
   limits_.look(failsafes, {now_us,
                            armed,
@@ -268,17 +268,17 @@ void Boat<S>::look_at_fence(const std::optional<convert::Position>& place, std::
   MissionService& missions = vehicle_.missions();
   FenceWatch::Seen seen{now_us, place, {}};
   if (place && missions.fence().is_on()) {
-    const core::Motion<S>& motion = pilot_.motion();
+    const core::Motion<S>& motion = guidance_.motion();
     const core::Vec2<S> v =
         core::to_north_east(motion.psi, core::Vec2<S>{motion.nu.u, motion.nu.v});
     seen.velocity_n = {convert::q16(v.x), convert::q16(v.y)};
   }
   if (place && !core::law_drives(state())) alone_.check_way(*place, now_us);
   const bool yields = place && law_output_.separation.yielding;
-  pilot_.close_courses(yields ? FenceWatch::closed_courses(missions.fence(), *place,
-                                                           configuration().stopping,
-                                                           convert::q16(pilot_.fastest()))
-                              : std::uint16_t{0});
+  guidance_.close_courses(yields ? FenceWatch::closed_courses(missions.fence(), *place,
+                                                              configuration().stopping,
+                                                              convert::q16(guidance_.fastest()))
+                                 : std::uint16_t{0});
   if (core::law_drives(state())) missions.forget_way();
   fence_watch_.look(missions.fence(), configuration().stopping, seen);
 }
@@ -291,10 +291,10 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       drive_by_hand();
       break;
     case core::State::kCoast:
-      law_output_ = pilot_.coast(now_us, dt);
+      law_output_ = guidance_.coast(now_us, dt);
       break;
     case core::State::kFormation:
-      law_output_ = pilot_.step(now_us, dt);
+      law_output_ = guidance_.step(now_us, dt);
       break;
     case core::State::kAuto:
     case core::State::kGuided:
@@ -313,7 +313,7 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
 /// Drives by the sticks, or runs a motor test.
 template <class S>
 void Boat<S>::drive_by_hand() {
-  const core::AllocationParams<S>& propellers = pilot_.law().propellers;
+  const core::AllocationParams<S>& propellers = guidance_.law().propellers;
   if (state() == core::State::kManual) {
     const Sticks& sticks = supervisor_.sticks();
     law_output_.tau = core::stick_wrench(propellers, convert::scalar<S>(sticks.surge),
@@ -330,7 +330,7 @@ void Boat<S>::drive_by_hand() {
 template <class S>
 void Boat<S>::steer(std::int64_t now_us) {
   const S dt = convert::seconds<S>(ticks_.since_us(now_us));
-  pilot_.observe(now_us, dt, thrust_.given, core::armed(state()));
+  guidance_.observe(now_us, dt, thrust_.given, core::armed(state()));
   learn(now_us, dt);
   const bool drive = supervisor_.may_drive(conditions_, now_us);
   if (!drive || !core::law_drives(state())) law_output_ = {};
@@ -339,13 +339,13 @@ void Boat<S>::steer(std::int64_t now_us) {
   // last received state.
   const bool by_law = drive && parts_.keeps_slot();
   if (!by_law && parts_.seen()) {
-    const auto slot = pilot_.look(now_us);
+    const auto slot = guidance_.look(now_us);
     law_output_.error = slot.error;
     law_output_.astern = slot.astern;
   }
-  slot_astern_.look(law_output_.astern && !pilot_.slot_moves() && parts_.seen() &&
-                        configuration().formation.judges_station,
-                    now_us);
+  slot_astern_.update(law_output_.astern && !guidance_.slot_moves() && parts_.seen() &&
+                          configuration().formation.judges_station,
+                      now_us);
   // Checked again after allocation, with newly evaluated conditions.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
@@ -373,14 +373,15 @@ void Boat<S>::report_last_tick() {
 
 template <class S>
 void Boat<S>::tell(std::int64_t now_us) {
-  if ((conditions_ & core::kOwnFresh) != 0 && pilot_.located()) vehicle_.locate(pilot_.origin());
+  if ((conditions_ & core::kOwnFresh) != 0 && guidance_.located())
+    vehicle_.locate(guidance_.origin());
   if (vehicle_.tells_report()) vehicle_.report(report_of(parts_, now_us));
   vehicle_.tell(counters_);
-  if (vehicle_.sender().waits_for_future(pilot_.future_news())) {
-    vehicle_.sender().send_future(pilot_.future_news(), pilot_.future(now_us), counters_);
+  if (vehicle_.sender().waits_for_future(guidance_.future_news())) {
+    vehicle_.sender().send_future(guidance_.future_news(), guidance_.future(now_us), counters_);
   }
   fleet_.tell(now_us);
-  const std::uint32_t news = pilot_.reference_news();
+  const std::uint32_t news = guidance_.reference_news();
   if (!vehicle_.sender().waits_for_reference(news)) return;
   if (const auto reference = reference_of(parts_, now_us)) {
     vehicle_.sender().send_reference(news, *reference, counters_);

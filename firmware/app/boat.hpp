@@ -11,7 +11,7 @@
 
 #include "app/alone.hpp"
 #include "app/conditions.hpp"
-#include "app/guidance/pilot.hpp"
+#include "app/guidance/guidance.hpp"
 #include "app/learner.hpp"
 #include "app/learnt_time.hpp"
 #include "app/membership.hpp"
@@ -131,7 +131,7 @@ class Boat {
   std::int64_t now_us() const { return clock_.now_us(); }
   core::Conditions conditions() const { return conditions_; }
   const core::Thrust<S>& thrust() const { return thrust_.thrust; }
-  const Pilot<S>& pilot() const { return pilot_; }
+  const Guidance<S>& guidance() const { return guidance_; }
   const link::Counters& counters() const { return counters_; }
 
   /// The parameters as set; some changes take effect only at the next start.
@@ -174,7 +174,7 @@ class Boat {
   CanOutput& can_output_;
   Supervisor supervisor_;
   MavlinkLinks links_;
-  Pilot<S> pilot_;
+  Guidance<S> guidance_;
   Vehicle vehicle_;
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
@@ -183,7 +183,7 @@ class Boat {
   ScalarRange<S> range_;
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
-  Settled slot_astern_;
+  Debounced slot_astern_;
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};

@@ -14,7 +14,7 @@ template <class S>
 bool coasts_on(const Parts<S>& boat, std::int64_t now_us) {
   const auto since_us = boat.supervisor.coasting_since_us();
   if (!since_us) return true;
-  return now_us - *since_us < boat.configuration().failsafes.coast_us && boat.pilot.can_coast();
+  return now_us - *since_us < boat.configuration().failsafes.coast_us && boat.guidance.can_coast();
 }
 
 }  // namespace
@@ -51,9 +51,9 @@ void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen&
   const auto above = [least_V = battery_V.value_or(0.0F)](const auto& esc) {
     return esc && esc->voltage >= least_V;  // false for NaN
   };
-  battery_good_.look(std::ranges::all_of(seen.escs, above), seen.now_us);
+  battery_good_.update(std::ranges::all_of(seen.escs, above), seen.now_us);
   met_ = 0;
-  if (battery_good_.is() || !battery_V) met_ |= core::kBatteryGood;
+  if (battery_good_.value() || !battery_V) met_ |= core::kBatteryGood;
   if (!fence_m || inside(*fence_m, seen)) met_ |= core::kInsideFence;
   if (seen.place && left_from_ && seen.now_us >= home_due_us_) {
     home_near_ = convert::distance_m(*left_from_, *seen.place) < double{kErrandReach_m};
@@ -81,7 +81,7 @@ core::Conditions heard_of(const Parts<S>& boat, std::int64_t now_us) {
   static_assert(((core::kManualDrive | core::kDrive | core::kCoastDrive | core::kAutoDrive |
                   core::kGuidedDrive | core::kReturnDrive | core::kTestDrive) &
                  core::kClear) == 0);
-  core::Conditions met = boat.vehicle.conditions(now_us) | boat.pilot.heard(now_us) |
+  core::Conditions met = boat.vehicle.conditions(now_us) | boat.guidance.heard(now_us) |
                          propulsion_of(boat.can, boat.configuration().propulsion, now_us);
   if (boat.host.bus_up) met |= core::kBusUp;
   if (boat.host.unsaved.empty()) met |= core::kParametersSaved;
@@ -90,33 +90,33 @@ core::Conditions heard_of(const Parts<S>& boat, std::int64_t now_us) {
 
 template <class S>
 core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::int64_t now_us) {
-  const Pilot<S>& pilot = boat.pilot;
+  const Guidance<S>& guidance = boat.guidance;
   const bool sails = core::law_drives(boat.state());
   core::Conditions met = judged.heard | boat.supervisor.conditions(now_us) |
-                         pilot.conditions(now_us) | boat.limits.conditions();
+                         guidance.conditions(now_us) | boat.limits.conditions();
   core::Conditions denied = 0;  // by a second part that must agree
   if (coasts_on(boat, now_us)) met |= core::kCoastRunning;
   if (judged.in_range) met |= core::kInRange;
   if (judged.rally_near) met |= core::kHomeNear;
-  if (!judged.slot_astern && pilot.claims().is_free(now_us, sails)) {
+  if (!judged.slot_astern && guidance.claims().is_free(now_us, sails)) {
     met |= core::kSlotSound;
   }
   const bool lost = judged.voyage_lost && boat.state() == core::State::kAuto;
-  if ((pilot.station_loss() == core::StationLoss::kNo && !lost) || !sails) {
+  if ((guidance.station_loss() == core::StationLoss::kNo && !lost) || !sails) {
     met |= core::kOnStation;
   }
   if (!boat.fence_watch.stays()) denied |= core::kInsideFence;
-  if (pilot.located()) met |= core::kLocated;
+  if (guidance.located()) met |= core::kLocated;
   const MissionService& missions = boat.vehicle.missions();
-  const bool reached = !core::sails_alone(boat.state()) || pilot.plan_vessel().is_sound();
+  const bool reached = !core::sails_alone(boat.state()) || guidance.plan_vessel().is_sound();
   if (!reached) denied |= core::kHomeNear;
-  if (!missions.plan().empty() && pilot.located() && reached &&
+  if (!missions.plan().empty() && guidance.located() && reached &&
       missions.plan_is_sound(boat.state() == core::State::kAuto)) {
     met |= core::kPlanReady;
   }
   if (boat.vehicle.doubled(now_us)) denied |= core::kSoleVessel;
   const bool follows = core::follows(boat.state());
-  if (follows && pilot.leader_jumped()) denied |= core::kLeaderSteady;  // until a new request
+  if (follows && guidance.leader_jumped()) denied |= core::kLeaderSteady;  // until a new request
   return met & ~denied;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The supervisor's conditions: those of ESCs, voltage and position, and the complete set, which
-// includes those of Vehicle, Pilot and the host.
+// includes those of Vehicle, Guidance and the host.
 #pragma once
 
 #include <array>
@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
+#include "app/debounced.hpp"
 #include "app/operator/telemetry/telemetry.hpp"
 #include "app/propulsion/can_node.hpp"
-#include "app/settled.hpp"
 
 namespace flotilla::app {
 
@@ -64,7 +64,7 @@ class FailsafeLimits {
   bool inside(float fence_m, const Seen& seen) const;
 
   core::Conditions met_ = 0;
-  Settled battery_good_;
+  Debounced battery_good_;
   std::optional<convert::Position> left_from_;
   std::optional<Home> home_;  // left_from_ as a global position
   bool was_armed_ = false;

@@ -42,7 +42,7 @@ bool Membership::obey(FleetOrder order) {
       vehicle_.obey(core::Request::kFormation, counters_);
       break;
     case FleetOrder::kStop:
-      if (vehicle_.obey_stop(counters_)) fleet().stopped();
+      if (vehicle_.obey_stop(counters_)) fleet().confirm_stop();
       break;
   }
   return true;

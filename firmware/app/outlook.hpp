@@ -6,19 +6,19 @@
 
 #include "app/convert/convert_scalar.hpp"
 #include "app/fleet/assignment.hpp"
-#include "app/guidance/pilot.hpp"
+#include "app/guidance/guidance.hpp"
 
 namespace flotilla::app {
 
 /// Predicted from the plan in AUTO, else at the present velocity.
 template <class S>
-FleetOutlook outlook_of(const Pilot<S>& pilot, bool sails_plan, float most_mps) {
+FleetOutlook outlook_of(const Guidance<S>& guidance, bool sails_plan, float most_mps) {
   std::array<core::Motion<S>, FleetOutlook::kMax> motions{};
   FleetOutlook out{.count = sails_plan ? motions.size() : 1, .most_mps = most_mps};
   if (sails_plan) {
-    pilot.plan_vessel().foresee(motions, FleetOutlook::kEvery_s);
+    guidance.plan_vessel().foresee(motions, FleetOutlook::kEvery_s);
   } else {
-    motions[0] = pilot.motion();
+    motions[0] = guidance.motion();
     motions[0].nu.r = S(0);
   }
   const auto of = [](S x) { return static_cast<float>(convert::number(x)); };

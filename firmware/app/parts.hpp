@@ -14,7 +14,7 @@ template <class S>
 struct Parts {
   const Vehicle& vehicle;
   const Supervisor& supervisor;
-  const Pilot<S>& pilot;
+  const Guidance<S>& guidance;
   const ModelMonitor& learnt;
   const FailsafeLimits& limits;
   const FenceWatch& fence_watch;

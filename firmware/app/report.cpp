@@ -18,7 +18,7 @@ bool error_known(const Parts<S>& boat) {
 
 template <class S>
 bool in_slot(const Parts<S>& boat) {
-  return boat.keeps_slot() && boat.pilot.in_slot();
+  return boat.keeps_slot() && boat.guidance.in_slot();
 }
 
 template <class S>
@@ -40,20 +40,20 @@ std::optional<FormationReport> formation_of(const Parts<S>& boat) {
 
 template <class S>
 void report_motion(const Parts<S>& boat, std::int64_t now_us, Report& out) {
-  const Pilot<S>& pilot = boat.pilot;
+  const Guidance<S>& guidance = boat.guidance;
   if ((boat.met & core::kOwnFresh) != 0) {
-    out.own = OwnReport{convert::boot_ms(now_us), pilot.own_state(now_us), pilot.located()};
-    out.estimates = pilot.estimates();
-    out.gps = pilot.gps(now_us);
+    out.own = OwnReport{convert::boot_ms(now_us), guidance.own_state(now_us), guidance.located()};
+    out.estimates = guidance.estimates();
+    out.gps = guidance.gps(now_us);
   }
   out.formation = formation_of(boat);
   out.reference = reference_of(boat, now_us);
-  out.depth = pilot.depth();
+  out.depth = guidance.depth();
   out.separation_m = separation_m(boat.law);
-  out.own_age_s = pilot.own_age_s(now_us);
-  out.leader_age_s = pilot.leader_age_s(now_us);
-  out.leader_uncertainty_m = pilot.leader_uncertainty_m(now_us);
-  out.leader = core::sails_alone(boat.state()) ? boat.vehicle.self().system : pilot.leader();
+  out.own_age_s = guidance.own_age_s(now_us);
+  out.leader_age_s = guidance.leader_age_s(now_us);
+  out.leader_uncertainty_m = guidance.leader_uncertainty_m(now_us);
+  out.leader = core::sails_alone(boat.state()) ? boat.vehicle.self().system : guidance.leader();
 }
 
 template <class S>
@@ -73,7 +73,7 @@ template <class S>
 std::optional<link::FormationReference> reference_of(const Parts<S>& boat, std::int64_t now_us) {
   const auto since_us = boat.supervisor.coasting_since_us();
   const bool coasts = since_us && now_us - *since_us < kShortCoast_us;
-  return boat.pilot.reference(now_us, boat.keeps_slot() || coasts);
+  return boat.guidance.reference(now_us, boat.keeps_slot() || coasts);
 }
 
 template <class S>
@@ -102,15 +102,15 @@ Report report_of(const Parts<S>& boat, std::int64_t now_us) {
 
 template <class S>
 Snapshot snapshot_of(const Parts<S>& boat, std::int64_t now_us) {
-  const auto& [pilot, law] = std::tie(boat.pilot, boat.law);
+  const auto& [guidance, law] = std::tie(boat.guidance, boat.law);
   const auto& [port, stbd] = boat.thrust.thrust;
   return {.state = boat.state(),
           .conditions = boat.met,
-          .own_age_s = pilot.own_age_s(now_us),
-          .leader_age_s = pilot.leader_age_s(now_us),
-          .leader_uncertainty_m = pilot.leader_uncertainty_m(now_us),
-          .reference_age_s = pilot.reference_age_s(now_us),
-          .estimates = pilot.estimates(),
+          .own_age_s = guidance.own_age_s(now_us),
+          .leader_age_s = guidance.leader_age_s(now_us),
+          .leader_uncertainty_m = guidance.leader_uncertainty_m(now_us),
+          .reference_age_s = guidance.reference_age_s(now_us),
+          .estimates = guidance.estimates(),
           .error_known = error_known(boat),
           .error = convert::in_double(law.error.e),
           .nu_star = convert::in_double(law.desired.nu_star),

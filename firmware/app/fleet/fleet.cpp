@@ -320,9 +320,9 @@ bool Fleet::has_missed_stop(std::size_t own, const FleetTable& table, std::int64
          most_stopped(own, std::span(peers_.all()).first(table.count));
 }
 
-void Fleet::stopped() {
+void Fleet::confirm_stop() {
   stops_ = false;
-  succession_.stopped();
+  succession_.confirm_stop();
 }
 
 /// Leader and slot from the table; nullopt: use the parameters.

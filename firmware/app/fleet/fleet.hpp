@@ -53,7 +53,7 @@ class Fleet {
                   std::int64_t leader_limit_us, std::int64_t now_us);
 
   /// Confirms kStop, which is repeated until this call.
-  void stopped();
+  void confirm_stop();
 
   /// Whether applied() has changed since the last call.
   [[nodiscard]] bool take_change() { return std::exchange(changed_, false); }

@@ -75,7 +75,7 @@ class Succession {
   FleetOrder step(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
 
   /// Confirms kStop.
-  void stopped() { stopping_ = false; }
+  void confirm_stop() { stopping_ = false; }
 
   bool leads() const { return leads_; }
 

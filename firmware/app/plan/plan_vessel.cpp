@@ -21,14 +21,14 @@ constexpr float kLeastCut = 0.25F;  // of the margin from a fence
 }  // namespace
 
 template <class S>
-void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
+void PlanVessel<S>::start(const PlanOrder& order, const PlanDefaults& defaults,
                           const core::RouteParams<S>& limits, const convert::Position& own,
                           const core::Motion<S>& motion) {
   from_ = own;
-  start_m_ = voyage.start_m;
-  fence_ = voyage.fence;
+  start_m_ = order.start_m;
+  fence_ = order.fence;
   margin_m_ = defaults.margin_m;
-  first_ = {static_cast<std::uint16_t>(voyage.first), voyage.progress.jumps()};
+  first_ = {static_cast<std::uint16_t>(order.first), order.progress.jumps()};
   limits_ = limits;
   points_[0] = {};
   marks_ = {};
@@ -36,10 +36,10 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   unread_ = false;
   sound_ = true;
   seen_ = 0;
-  reader_.begin({voyage.first, convert::global_of(own), voyage.home, voyage.progress, voyage.pauses,
-                 voyage.voyage_is_over},
+  reader_.begin({order.first, convert::global_of(own), order.home, order.progress, order.pauses,
+                 order.voyage_is_over},
                 defaults);
-  fill(voyage.plan);
+  fill(order.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);
   const bool on_course = core::abs(off) < S(0.5) && S(0.1) < motion.nu.u;

@@ -16,8 +16,8 @@
 
 namespace flotilla::app {
 
-/// A plan, or an errand.
-struct Voyage {
+/// A plan or an errand, and where it begins.
+struct PlanOrder {
   Plan plan{};
   std::size_t first = 0;         ///< begins with the first place at that item or later
   float start_m = kPlanStart_m;  ///< the farthest that this place may be from the boat
@@ -41,10 +41,11 @@ struct BoatBehind {
 template <class S>
 class PlanVessel {
  public:
-  /// Starts at the boat's place and with its motion, and sails to the first point of the voyage and
+  /// Starts at the boat's place and with its motion, and sails to the first point of the plan and
   /// on.
-  void start(const Voyage& voyage, const PlanDefaults& defaults, const core::RouteParams<S>& limits,
-             const convert::Position& own, const core::Motion<S>& motion);
+  void start(const PlanOrder& order, const PlanDefaults& defaults,
+             const core::RouteParams<S>& limits, const convert::Position& own,
+             const core::Motion<S>& motion);
 
   /// Sails for dt seconds; slows down and waits for the boat.
   void forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt);

@@ -171,7 +171,7 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
 template <class S>
 void Fleet<S>::tell_clocks(Vessel& v, std::int64_t t_us) {
   const Station& s = v.station;
-  const std::uint8_t leader = v.firmware.pilot().leader();
+  const std::uint8_t leader = v.firmware.guidance().leader();
   if (std::exchange(v.leader, leader) != leader) {
     v.leader_agent.reset();
     for (std::size_t agent = 0; agent < agents(); ++agent) {

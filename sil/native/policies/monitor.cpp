@@ -75,9 +75,9 @@ void Monitor<S>::look_inside(const app::Boat<S>& boat) {
   const auto& thrust = boat.thrust();
   now_.thrust_N = {static_cast<float>(app::convert::number(thrust.port)),
                    static_cast<float>(app::convert::number(thrust.stbd))};
-  now_.own_age_s = boat.pilot().own_age_s(now_.now_us);
-  now_.leader_age_s = boat.pilot().leader_age_s(now_.now_us);
-  const std::uint8_t leader = boat.pilot().leader();
+  now_.own_age_s = boat.guidance().own_age_s(now_.now_us);
+  now_.leader_age_s = boat.guidance().leader_age_s(now_.now_us);
+  const std::uint8_t leader = boat.guidance().leader();
   if (std::exchange(now_.leader, leader) != leader) now_.leader_true_us = kNever_us;
   now_.p = &boat.parameters();
   now_.in_range = true;

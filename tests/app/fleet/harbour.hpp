@@ -108,7 +108,7 @@ struct Harbour {
         if (joins) boat.state = core::State::kFormation;
         if (boat.order == FleetOrder::kStop) {
           boat.state = core::State::kHold;
-          boat.fleet.stopped();
+          boat.fleet.confirm_stop();
           ++boat.stops;
         }
         if (const auto beacon = boat.fleet.beacon(clock_us)) {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/guidance/pilot.hpp"
+#include "app/guidance/guidance.hpp"
 #include "app/plan/fence_watch.hpp"
 #include "core/supervisor.hpp"
 #include "link/dronecan/messages.hpp"

@@ -14,7 +14,7 @@ namespace mav = link::mav;
 
 template <class S>
 void Warnings<S>::send(const Seen& seen) {
-  if (pilot_.take_frame_warning() && frame_due_.take_if_due(seen.now_us)) {
+  if (guidance_.take_frame_warning() && frame_due_.take_if_due(seen.now_us)) {
     warn("ODOMETRY refused: frame is not north-aligned");
   }
   warn_of_host(seen);
@@ -55,11 +55,11 @@ void Warnings<S>::warn_of_vessels(const Seen& seen) {
     why << before << static_cast<float>(system) << after;
     send_statustext(mav::kSeverityCritical, why.text());
   };
-  const auto doubled = pilot_.doubled(seen.now_us);
+  const auto doubled = guidance_.doubled(seen.now_us);
   if (doubled && double_due_.take_if_due(seen.now_us)) {
     alarm(*doubled, "two vessels use system id ", "");
   }
-  const auto late = pilot_.late_neighbour(seen.now_us);
+  const auto late = guidance_.late_neighbour(seen.now_us);
   if (late && late_due_.take_if_due(seen.now_us)) {
     alarm(*late, "vessel ", ": messages over 3 s late");
   }
@@ -67,13 +67,13 @@ void Warnings<S>::warn_of_vessels(const Seen& seen) {
 
 template <class S>
 void Warnings<S>::warn_of_unit(const Seen& seen) {
-  if (pilot_.take_stranger() && quality_due_.take_if_due(seen.now_us)) {
+  if (guidance_.take_stranger() && quality_due_.take_if_due(seen.now_us)) {
     warn("navigation data ignored: disarm, or set NAV_LINK");
   }
   warn_of_time(seen);
   if ((seen.conditions & core::kOwnGood) == 0 && quality_due_.take_if_due(seen.now_us)) {
     Sentence poor;
-    poor << "poor navigation: " << pilot_.own_quality().fault();
+    poor << "poor navigation: " << guidance_.own_quality().fault();
     warn(poor.text());
   }
 }
@@ -82,8 +82,8 @@ void Warnings<S>::warn_of_unit(const Seen& seen) {
 template <class S>
 void Warnings<S>::warn_of_time(const Seen& seen) {
   const core::Conditions missing = ~seen.conditions & (core::kOwnTimed | core::kLeaderTimed);
-  untimed_.look(missing != 0, seen.now_us);
-  if (!untimed_.is() || missing == 0 || core::armed(seen.state)) return;
+  untimed_.update(missing != 0, seen.now_us);
+  if (!untimed_.value() || missing == 0 || core::armed(seen.state)) return;
   if (!time_due_.take_if_due(seen.now_us)) return;
   for_each_complaint(missing, [&](std::string_view why) { warn(why); });
 }
@@ -93,8 +93,9 @@ void Warnings<S>::warn_of_time(const Seen& seen) {
 template <class S>
 void Warnings<S>::warn_of_fast_slot(const Seen& seen) {
   const auto [u, r] = convert::in_double(seen.law.too_fast);
-  slot_too_fast_.look(u > 0 || r > 0, seen.now_us);
-  if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !fast_slot_due_.take_if_due(seen.now_us)) return;
+  slot_too_fast_.update(u > 0 || r > 0, seen.now_us);
+  if (!slot_too_fast_.value() || !(u > 0 || r > 0) || !fast_slot_due_.take_if_due(seen.now_us))
+    return;
   const Parameters p = derived(vehicle_.parameters());
   if (u > 0) warn(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX).text());
   if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX).text());
@@ -104,13 +105,13 @@ void Warnings<S>::warn_of_fast_slot(const Seen& seen) {
 /// none.
 template <class S>
 void Warnings<S>::warn_of_station(const Seen& seen) {
-  const core::StationLoss was = std::exchange(station_loss_, pilot_.station_loss());
+  const core::StationLoss was = std::exchange(station_loss_, guidance_.station_loss());
   if (station_loss_ == was || station_loss_ == core::StationLoss::kNo || !seen.keeps_slot) return;
   const auto& e = seen.law.error.e;
   send_statustext(
       mav::kSeverityError,
       sentence_of(station_loss_, convert::number(core::hypot(e.x, e.y)),
-                  convert::number(core::abs(pilot_.yaw_rate())), derived(vehicle_.parameters()))
+                  convert::number(core::abs(guidance_.yaw_rate())), derived(vehicle_.parameters()))
           .text());
 }
 
@@ -121,10 +122,10 @@ void Warnings<S>::warn_of_current(const Seen& seen) {
   const auto& e = seen.law.error.e;
   const bool was_alone = std::exchange(alone_, core::sails_alone(seen.state));
   const bool spent = alone_ && S(0) < seen.law.allocation.missing.X;
-  const bool behind = spent && S(1) < core::hypot(e.x, e.y) && pilot_.motion().nu.u < S(0.05);
-  no_way_.look(behind, seen.now_us);
+  const bool behind = spent && S(1) < core::hypot(e.x, e.y) && guidance_.motion().nu.u < S(0.05);
+  no_way_.update(behind, seen.now_us);
   const bool holds = was_alone && !alone_ && (seen.conditions & core::kBoatAnswers) == 0;
-  if (!holds && !(no_way_.is() && spent)) return;
+  if (!holds && !(no_way_.value() && spent)) return;
   if (no_way_due_.take_if_due(seen.now_us)) {
     warn("no headway: current, wind or propellers");
   }
@@ -135,7 +136,7 @@ template <class S>
 void Warnings<S>::warn_of_unsound_slot(const Seen& seen) {
   if ((seen.conditions & core::kSlotSound) != 0 || !core::armed(seen.state)) return;
   if (!unsound_slot_due_.take_if_due(seen.now_us)) return;
-  const SlotClaims& claims = pilot_.claims();
+  const SlotClaims& claims = guidance_.claims();
   if (claims.leaders()) {
     send_statustext(mav::kSeverityError, "slot is at the leader: set FORM_OFS_N, FORM_OFS_E");
   } else if (const auto rival = claims.rival(seen.now_us, core::law_drives(seen.state))) {
@@ -150,7 +151,7 @@ void Warnings<S>::warn_of_unsound_slot(const Seen& seen) {
 /// later.
 template <class S>
 void Warnings<S>::warn_of_depth(const Seen& seen) {
-  const std::size_t depth = pilot_.tree_place().depth(seen.now_us);
+  const std::size_t depth = guidance_.tree_place().depth(seen.now_us);
   const auto most = vehicle_.configuration().formation.max_depth;
   const bool deep = core::armed(seen.state) && most && *most < depth;
   if (std::exchange(deep_, deep) || !deep) return;
@@ -170,10 +171,10 @@ void Warnings<S>::warn_of_fence(const Seen& seen) {
 template <class S>
 void Warnings<S>::tell_latency(const Seen& seen) {
   constexpr double kWorthAWord_s = 0.03;
-  const auto latency_s = pilot_.latency_s();
+  const auto latency_s = guidance_.latency_s();
   const bool told = std::exchange(latency_told_, latency_s.has_value());
   if (told || !latency_s || *latency_s < kWorthAWord_s) return;
-  const bool borne = (pilot_.conditions(seen.now_us) & core::kOwnPrompt) != 0;
+  const bool borne = (guidance_.conditions(seen.now_us) & core::kOwnPrompt) != 0;
   vehicle_.texts().send(mav::kSeverityWarning,
                         {unit_is_late(*latency_s).text(), borne ? ": compensated" : ""}, counters_);
 }

@@ -8,13 +8,13 @@
 #include <optional>
 #include <string_view>
 
+#include "app/debounced.hpp"
 #include "app/estimation/model_monitor.hpp"
-#include "app/guidance/pilot.hpp"
+#include "app/guidance/guidance.hpp"
 #include "app/operator/host_report.hpp"
 #include "app/operator/vehicle.hpp"
 #include "app/plan/fence_watch.hpp"
 #include "app/sentence.hpp"
-#include "app/settled.hpp"
 
 namespace flotilla::app {
 
@@ -33,8 +33,8 @@ class Warnings {
   };
 
   /// All must outlive this.
-  Warnings(Vehicle& vehicle, Pilot<S>& pilot, ModelMonitor& learnt, link::Counters& counters)
-      : vehicle_(vehicle), pilot_(pilot), learnt_(learnt), counters_(counters) {}
+  Warnings(Vehicle& vehicle, Guidance<S>& guidance, ModelMonitor& learnt, link::Counters& counters)
+      : vehicle_(vehicle), guidance_(guidance), learnt_(learnt), counters_(counters) {}
 
   void warn(std::string_view text) { send_statustext(link::mav::kSeverityWarning, text); }
 
@@ -65,7 +65,7 @@ class Warnings {
   void tell_finding(const Seen& seen);
 
   Vehicle& vehicle_;
-  Pilot<S>& pilot_;
+  Guidance<S>& guidance_;
   ModelMonitor& learnt_;
   link::Counters& counters_;
 
@@ -74,7 +74,7 @@ class Warnings {
   Schedule unsound_slot_due_{10 * kSecond_us}, no_way_due_{10 * kSecond_us};
   Schedule double_due_{10 * kSecond_us}, late_due_{10 * kSecond_us}, quality_due_{10 * kSecond_us};
   Schedule unsaved_due_{30 * kSecond_us}, closed_due_{30 * kSecond_us}, time_due_{30 * kSecond_us};
-  Settled slot_too_fast_, untimed_, no_way_;  // no_way_: against current or wind
+  Debounced slot_too_fast_, untimed_, no_way_;  // no_way_: against current or wind
   core::StationLoss station_loss_ = core::StationLoss::kNo;
   std::optional<std::uint8_t> awaited_;  // a boat
   bool save_failed_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/guidance/voyage_pilot.hpp"
+#include "app/guidance/voyage_guidance.hpp"
 
 #include <tuple>
 
@@ -24,29 +24,29 @@ core::Vec2<S> velocity_n(const core::Motion<S>& motion) {
 }  // namespace
 
 template <class S>
-void VoyagePilot<S>::begin_plan(const VoyageId& at) {
+void VoyageGuidance<S>::begin_plan(const VoyageId& at) {
   voyage_.interrupt();
   if (!voyage_.is_of(at)) voyage_.forget();
 }
 
 template <class S>
-void VoyagePilot<S>::begin(const PlanItem& ahead, const VoyageId& at, const Pilot<S>& pilot,
-                           const Configuration& configuration) {
+void VoyageGuidance<S>::begin(const PlanItem& ahead, const VoyageId& at,
+                              const Guidance<S>& guidance, const Configuration& configuration) {
   if (!is_voyage(ahead) || (voyage_.is_of(at) && voyage_.is_over())) return;
   VoyageRoom room = room_of(ahead, configuration.plan, configuration.stopping);
   room.id = at;
-  if (convert::way_to<S>(pilot.place(), {ahead.x, ahead.y}, room.radius_m).near) {
+  if (convert::way_to<S>(guidance.place(), {ahead.x, ahead.y}, room.radius_m).near) {
     voyage_.begin(room);
     voyage_.limit(speeds_of(configuration.plan));
   }
 }
 
 template <class S>
-void VoyagePilot<S>::look(const Pilot<S>& pilot, const Bounds& bounds, const VoyageSpeeds& fastest,
-                          std::int64_t now_us) {
+void VoyageGuidance<S>::look(const Guidance<S>& guidance, const Bounds& bounds,
+                             const VoyageSpeeds& fastest, std::int64_t now_us) {
   voyage_.limit(fastest);
-  const core::Motion<S> motion = pilot.seen_motion(now_us);
-  const convert::Position here = moved(pilot.seen_from(), motion.moved_n);
+  const core::Motion<S> motion = guidance.seen_motion(now_us);
+  const convert::Position here = moved(guidance.seen_from(), motion.moved_n);
   const core::Vec2<S> v_n = velocity_n(motion);
   const S rest_s = convert::scalar<S>(voyage_.room().rest_s);
   const convert::Position there = moved(here, core::Vec2<S>{rest_s * v_n.x, rest_s * v_n.y});
@@ -61,23 +61,24 @@ void VoyagePilot<S>::look(const Pilot<S>& pilot, const Bounds& bounds, const Voy
 }
 
 template <class S>
-core::Thrust<S> VoyagePilot<S>::forward(const Pilot<S>& pilot, const convert::GlobalPoint& centre,
-                                        bool waits, std::int64_t now_us, S dt) {
-  const core::Motion<S> motion = pilot.seen_motion(now_us);
-  const convert::Position here = moved(pilot.seen_from(), motion.moved_n);
+core::Thrust<S> VoyageGuidance<S>::forward(const Guidance<S>& guidance,
+                                           const convert::GlobalPoint& centre, bool waits,
+                                           std::int64_t now_us, S dt) {
+  const core::Motion<S> motion = guidance.seen_motion(now_us);
+  const convert::Position here = moved(guidance.seen_from(), motion.moved_n);
   const float far_m = 2 * voyage_.room().radius_m;
   const auto [way, near] = convert::way_to<S>(here, centre, far_m);
   const auto off_n =
       near ? core::Vec2<S>{-way.x, -way.y} : core::Vec2<S>{convert::scalar<S>(far_m), S(0)};
   const core::Thrust<S> share =
       voyage_.forward({off_n, velocity_n(motion), motion.psi, motion.nu.r, waits, at_fence_}, dt);
-  const core::AllocationParams<S>& propellers = pilot.law().propellers;
+  const core::AllocationParams<S>& propellers = guidance.law().propellers;
   const auto thrust = [&](S q) { return (q < S(0) ? propellers.R : propellers.F) * q; };
   return {thrust(share.port), thrust(share.stbd)};
 }
 
-template class VoyagePilot<float>;
-template class VoyagePilot<double>;
-template class VoyagePilot<core::Q16>;
+template class VoyageGuidance<float>;
+template class VoyageGuidance<double>;
+template class VoyageGuidance<core::Q16>;
 
 }  // namespace flotilla::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/guidance/pilot.hpp"
+#include "app/guidance/guidance.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -22,7 +22,7 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 }  // namespace
 
 template <class S>
-Pilot<S>::Pilot(const Configuration& c, const convert::Law<S>& law)
+Guidance<S>::Guidance(const Configuration& c, const convert::Law<S>& law)
     : law_(law),
       own_(c.start.system, c.start.component, c.navigation.component),
       leader_({c.formation.leader, 0}) {
@@ -30,8 +30,8 @@ Pilot<S>::Pilot(const Configuration& c, const convert::Law<S>& law)
 }
 
 template <class S>
-void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
-                         std::uint8_t own_system) {
+void Guidance<S>::configure(const Configuration& c, const convert::Law<S>& law,
+                            std::uint8_t own_system) {
   law_ = law;
   limits_ = c.navigation;
   own_.configure(law, c.navigation, own_system);
@@ -47,8 +47,8 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
 }
 
 template <class S>
-void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
-                    link::Counters& counters, const Sender& sender) {
+void Guidance<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
+                       link::Counters& counters, const Sender& sender) {
   if (const auto* answer = std::get_if<link::Timesync>(&received.message)) {
     take_time(received.from, *answer, link, now_us);
     return;
@@ -76,8 +76,8 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
 }
 
 template <class S>
-void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::size_t link,
-                         std::int64_t now_us) {
+void Guidance<S>::take_time(link::Address from, const link::Timesync& answer, std::size_t link,
+                            std::int64_t now_us) {
   const auto sent_us = time_.sent_us(answer);
   if (!sent_us) return;
   const std::int64_t read_us = answer.tc1 / 1000;
@@ -87,7 +87,7 @@ void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::
 }
 
 template <class S>
-core::Conditions Pilot<S>::heard(std::int64_t now_us) const {
+core::Conditions Guidance<S>::heard(std::int64_t now_us) const {
   core::Conditions met = 0;
   const VesselTrack<S>& own = own_.track();
   const bool placed = leader_.has_origin() && own.has_origin();
@@ -106,28 +106,28 @@ core::Conditions Pilot<S>::heard(std::int64_t now_us) const {
 }
 
 template <class S>
-void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
+void Guidance<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
   reference_.make(leader_, now_us);
   leader_.stand_by(std::exchange(leaders_reference_, false));
   own_.observe(law_, given, since, armed, now_us);
 }
 
 template <class S>
-std::optional<double> Pilot<S>::latency_s() const {
+std::optional<double> Guidance<S>::latency_s() const {
   const auto found_s = own_.latency().found_s();
   return found_s ? std::optional<double>(*found_s) : std::nullopt;
 }
 
 /// The formation's root if its reference can be followed, else the leader.
 template <class S>
-Lead<S> Pilot<S>::lead(std::int64_t now_us) const {
+Lead<S> Guidance<S>::lead(std::int64_t now_us) const {
   if (const auto aim = reference_.aim(now_us)) return lead_of(*aim);
   return {leader_.system(),       {}, leader_.position(),
           leader_.motion(now_us), {}, law_.controller.slot};
 }
 
 template <class S>
-Lead<S> Pilot<S>::lead_of(const typename Reference<S>::Aim& aim) const {
+Lead<S> Guidance<S>::lead_of(const typename Reference<S>::Aim& aim) const {
   Lead<S> lead{leader_.system(),
                aim.branch,
                aim.position,
@@ -145,7 +145,7 @@ Lead<S> Pilot<S>::lead_of(const typename Reference<S>::Aim& aim) const {
 
 /// The leader's offset from its own slot; zero unless the boat follows a root above its leader.
 template <class S>
-core::Vec2<S> Pilot<S>::leaders_error(std::int64_t now_us) const {
+core::Vec2<S> Guidance<S>::leaders_error(std::int64_t now_us) const {
   const Lead<S>& lead = follower_.lead();
   if (lead.branch.root == 0 || lead.branch.root == lead.leader) return {};
   const RootOffset slot = reference_.place().leaders_offset(now_us);
@@ -157,7 +157,7 @@ core::Vec2<S> Pilot<S>::leaders_error(std::int64_t now_us) const {
 }
 
 template <class S>
-void Pilot<S>::start(std::int64_t now_us) {
+void Guidance<S>::start(std::int64_t now_us) {
   own_.begin();
   leader_.accept_place();
   reference_.accept_place();
@@ -166,7 +166,7 @@ void Pilot<S>::start(std::int64_t now_us) {
 }
 
 template <class S>
-Lead<S> Pilot<S>::lead_of_plan() const {
+Lead<S> Guidance<S>::lead_of_plan() const {
   const std::uint8_t self = own_.track().system();
   core::SlotParams<S> slot = law_.controller.slot;
   slot.steers = S(0) < law_.observer.omega_c;
@@ -176,16 +176,16 @@ Lead<S> Pilot<S>::lead_of_plan() const {
 }
 
 template <class S>
-void Pilot<S>::start_plan(const Voyage& voyage, const PlanDefaults& defaults) {
+void Guidance<S>::start_plan(const PlanOrder& order, const PlanDefaults& defaults) {
   own_.begin();
   reference_.lead(true);
-  plan_vessel_.start(voyage, defaults, law_.route, own_.place(), own_.motion());
+  plan_vessel_.start(order, defaults, law_.route, own_.place(), own_.motion());
   follower_.start();
   follower_.follow(law_, own_, lead_of_plan(), S(0));
 }
 
 template <class S>
-Target Pilot<S>::stop_ahead() const {
+Target Guidance<S>::stop_ahead() const {
   const core::Motion<S>& motion = own_.motion();
   const S u = core::max(motion.nu.u, S(0));
   const S way = u * u / (S(1.8) * law_.route.accel);  // braking distance, as in core/route.hpp
@@ -198,26 +198,26 @@ Target Pilot<S>::stop_ahead() const {
 /// Within 1.5 look-aheads of a vessel at rest, a boat does not approach it (core/approach.hpp). So
 /// the vessel must not wait for a boat that near, or both would stand still.
 template <class S>
-BoatBehind<S> Pilot<S>::behind() const {
+BoatBehind<S> Guidance<S>::behind() const {
   return {follower_.off(), core::max(S(3), S(2) * law_.controller.sight.Delta),
           law_.controller.outer.u_max};
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::sail(Plan plan, bool paused, std::int64_t now_us, S dt) {
+core::ControllerOutput<S> Guidance<S>::sail(Plan plan, bool paused, std::int64_t now_us, S dt) {
   plan_vessel_.forward(plan, behind(), paused, dt);
   return follow_plan_vessel(now_us, dt);
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::drive(const core::Drive<S>& desired, bool paused,
-                                          std::int64_t now_us, S dt) {
+core::ControllerOutput<S> Guidance<S>::drive(const core::Drive<S>& desired, bool paused,
+                                             std::int64_t now_us, S dt) {
   if (S(0) < dt) plan_vessel_.drive(desired, behind(), paused, dt);
   return follow_plan_vessel(now_us, dt);
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt) {
+core::ControllerOutput<S> Guidance<S>::follow_plan_vessel(std::int64_t now_us, S dt) {
   const core::Motion<S>& motion = plan_vessel_.motion();
   reference_.tell({plan_vessel_.place(), {motion.psi, motion.nu, motion.nu_dot, S(0)}}, now_us);
   if (const auto foreseen = plan_vessel_.take_future()) {
@@ -231,7 +231,7 @@ core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
+core::ControllerOutput<S> Guidance<S>::step_law(std::int64_t now_us, S dt) {
   if (!neighbours_.any(now_us)) return step_law(nullptr, dt);
   auto traffic = neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us);
   traffic.closed = closed_courses_;
@@ -239,7 +239,7 @@ core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::step_law(const core::Traffic<S>* traffic, S dt) {
+core::ControllerOutput<S> Guidance<S>::step_law(const core::Traffic<S>* traffic, S dt) {
   core::ControllerParams<S>& law = law_.controller;
   const core::SlotParams<S> own_slot = std::exchange(law.slot, follower_.lead().slot);
   const core::VirtualVelocityParams<S> usual = law.outer;
@@ -257,7 +257,7 @@ core::ControllerOutput<S> Pilot<S>::step_law(const core::Traffic<S>* traffic, S 
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
+core::ControllerOutput<S> Guidance<S>::step(std::int64_t now_us, S dt) {
   follower_.follow(law_, own_, lead(now_us), dt);
   const Branch& branch = follower_.lead().branch;
   leaders_reference_ = branch.root != 0 && branch.maker != own_.track().system();
@@ -268,7 +268,7 @@ core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
+core::ControllerOutput<S> Guidance<S>::coast(std::int64_t now_us, S dt) {
   follower_.coast(law_.coast_s, dt);
   const auto out = step_law(now_us, dt);
   // A boat that coasts because it left its slot may return to it; no other is judged in COAST.
@@ -279,12 +279,12 @@ core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
 }
 
 template <class S>
-bool Pilot<S>::can_coast() const {
+bool Guidance<S>::can_coast() const {
   return located() && convert::near(own_.track().position(), follower_.lead().position);
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
+core::ControllerOutput<S> Guidance<S>::look(std::int64_t now_us) const {
   const Lead<S> lead = this->lead(now_us);
   const core::ControllerInput<S> in = controller_input(lead, own_, law_.controller.vessel);
   core::SlotState<S> state = core::slot_start(in);
@@ -296,41 +296,41 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
 }
 
 template <class S>
-Estimates Pilot<S>::estimates() const {
+Estimates Guidance<S>::estimates() const {
   return {convert::in_double(core::unknown_wrench(law_.controller.vessel, own_.observer())),
           {convert::number(own_.observer().c_n.x), convert::number(own_.observer().c_n.y)}};
 }
 
 template <class S>
-convert::OwnState Pilot<S>::own_state(std::int64_t now_us) const {
+convert::OwnState Guidance<S>::own_state(std::int64_t now_us) const {
   const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
   const core::Motion<S> then = core::moment_before(own_.motion(), since_stamp);
   return convert::own_state_of(own_.anchor(), then);
 }
 
 template <class S>
-std::optional<double> Pilot<S>::depth() const {
+std::optional<double> Guidance<S>::depth() const {
   return neighbours_.watches() ? std::optional<double>(neighbours_.depth()) : std::nullopt;
 }
 
 template <class S>
-std::optional<double> Pilot<S>::own_age_s(std::int64_t now_us) const {
+std::optional<double> Guidance<S>::own_age_s(std::int64_t now_us) const {
   return age_s(own_.track(), now_us);
 }
 
 template <class S>
-std::optional<double> Pilot<S>::reference_age_s(std::int64_t now_us) const {
+std::optional<double> Guidance<S>::reference_age_s(std::int64_t now_us) const {
   const auto age_us = reference_.age_us(now_us);
   return age_us ? std::optional(convert::seconds<double>(*age_us)) : std::nullopt;
 }
 
 template <class S>
-std::optional<double> Pilot<S>::leader_age_s(std::int64_t now_us) const {
+std::optional<double> Guidance<S>::leader_age_s(std::int64_t now_us) const {
   return age_s(leader_, now_us);
 }
 
-template class Pilot<float>;
-template class Pilot<double>;
-template class Pilot<core::Q16>;
+template class Guidance<float>;
+template class Guidance<double>;
+template class Guidance<core::Q16>;
 
 }  // namespace flotilla::app

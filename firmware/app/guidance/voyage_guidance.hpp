@@ -8,14 +8,14 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/guidance/pilot.hpp"
+#include "app/guidance/guidance.hpp"
 #include "app/plan/fence.hpp"
 #include "app/plan/voyage.hpp"
 
 namespace flotilla::app {
 
 template <class S>
-class VoyagePilot {
+class VoyageGuidance {
  public:
   /// Where the boat may sail.
   struct Bounds {
@@ -31,7 +31,7 @@ class VoyagePilot {
   void begin_plan(const VoyageId& at);
 
   /// Begins a voyage if the item ahead is a voyage that is not over, and the boat is in its room.
-  void begin(const PlanItem& ahead, const VoyageId& at, const Pilot<S>& pilot,
+  void begin(const PlanItem& ahead, const VoyageId& at, const Guidance<S>& guidance,
              const Configuration& configuration);
 
   bool is_on() const { return voyage_.is_on(); }
@@ -41,12 +41,12 @@ class VoyagePilot {
 
   /// Judges whether the boat would leave its bounds if it stopped now; forward() uses the result and
   /// the greatest speeds.
-  void look(const Pilot<S>& pilot, const Bounds& bounds, const VoyageSpeeds& fastest,
+  void look(const Guidance<S>& guidance, const Bounds& bounds, const VoyageSpeeds& fastest,
             std::int64_t now_us);
 
   /// Thrusts for the next dt seconds, N. centre: of the voyage's room.
-  core::Thrust<S> forward(const Pilot<S>& pilot, const convert::GlobalPoint& centre, bool waits,
-                          std::int64_t now_us, S dt);
+  core::Thrust<S> forward(const Guidance<S>& guidance, const convert::GlobalPoint& centre,
+                          bool waits, std::int64_t now_us, S dt);
 
   std::optional<VoyageNews> take_news() { return voyage_.take_news(); }
 

@@ -27,9 +27,9 @@ struct Estimates {
 };
 
 template <class S>
-class Pilot {
+class Guidance {
  public:
-  Pilot(const Configuration& configuration, const convert::Law<S>& law);
+  Guidance(const Configuration& configuration, const convert::Law<S>& law);
 
   /// Applies changed parameters and the boat's system id.
   void configure(const Configuration& configuration, const convert::Law<S>& law,
@@ -98,7 +98,7 @@ class Pilot {
   /// Call on entering a mode without a leader, and when its plan or item changes: the law follows a
   /// virtual vessel that sails the plan from the boat's place. The plan must not change before
   /// end_plan().
-  void start_plan(const Voyage& voyage, const PlanDefaults& defaults);
+  void start_plan(const PlanOrder& order, const PlanDefaults& defaults);
   void end_plan() { reference_.lead(false); }
 
   /// One step of the law behind that vessel; paused: it slows down and waits.
