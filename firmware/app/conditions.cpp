@@ -97,7 +97,7 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
   core::Conditions denied = 0;  // by a second part that must agree
   if (coasts_on(boat, now_us)) met |= core::kCoastRunning;
   if (judged.in_range) met |= core::kInRange;
-  if (judged.rally_near) met |= core::kHomeNear;
+  if (judged.rally_near && boat.limits.home()) met |= core::kHomeNear;
   if (!judged.slot_astern && guidance.claims().is_free(now_us, sails)) {
     met |= core::kSlotSound;
   }

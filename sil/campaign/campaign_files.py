@@ -9,7 +9,7 @@ import fcntl
 import io
 import json
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -70,11 +70,7 @@ class Folder:
         if not self.is_begun():
             return
         known = self._known()
-        now = json.loads(json.dumps(asdict(identity)))
-        differences = [
-            difference for key in now for difference in _differences(key, known.get(key), now[key])
-        ]
-        if differences:
+        if differences := self._differing(known, identity):
             can = f"Finish that one first, by {known.get('command')}, or remove"
             if known.get("code") != identity.code:
                 can = "This version cannot finish that one: remove"
@@ -83,12 +79,21 @@ class Folder:
                 f"{'; '.join(differences)}. {can} the folder, or choose another --out"
             )
 
-    def _finished_runs(self) -> int | None:
-        """Number of runs of a finished campaign in the folder; None if there is none."""
+    def _other_finished(self, identity: Identity) -> str:
+        """What differs in a finished campaign in the folder; empty if there is none, or nothing."""
         try:
-            return int(self._known()["runs"])
-        except (CampaignError, OSError, KeyError, TypeError, ValueError):
-            return None
+            known = self._known()
+        except (CampaignError, OSError):
+            return ""
+        return "; ".join(self._differing(known, identity, besides=("code",)))
+
+    @staticmethod
+    def _differing(
+        known: Mapping[str, Any], identity: Identity, besides: Sequence[str] = ()
+    ) -> list[str]:
+        now = json.loads(json.dumps(asdict(identity)))
+        keys = [key for key in now if key not in besides]
+        return [each for key in keys for each in _differences(key, known.get(key), now[key])]
 
     def _known(self) -> dict[str, Any]:
         """The content of campaign.json; CampaignError if it is damaged."""
@@ -109,8 +114,8 @@ class Folder:
         self.check(identity)
         self.path.mkdir(parents=True, exist_ok=True)
         if not self.is_begun():
-            if (runs := self._finished_runs()) and runs != identity.runs:
-                say(f"{self.path} held a finished campaign of {runs} runs, which this one replaces")
+            if other := self._other_finished(identity):
+                say(f"{self.path} held a finished campaign with {other}; this one replaces it")
             self.write_json(identity, {"command": command})
             self._parts.mkdir()
         results = []

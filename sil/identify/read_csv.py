@@ -67,7 +67,7 @@ def _columns(path: Path) -> dict[str, Array]:
             )
         try:
             rows = [head, *file]
-            if len(rows) > 2 and rows[-1].count(",") < head.count(","):
+            if len(rows) > 2 and not rows[-1].endswith("\n"):
                 rows.pop()  # a log ends in mid-line where the power was cut
             table = np.empty((0, 0))
             if len(rows) > 1:
@@ -75,7 +75,7 @@ def _columns(path: Path) -> dict[str, Array]:
         except ValueError as error:
             told = str(error).splitlines()[:2][-1].strip()
             for number, row in enumerate(rows, start=1):
-                if row.count(",") != head.count(","):
+                if row.strip() and row.count(",") != head.count(","):
                     values = row.count(",") + 1
                     told = f"line {number} has {values} values, for {len(names)} columns"
                     break

@@ -276,7 +276,8 @@ def build(say: Callable[[str], None]) -> Path:
             raise StartError("this wheel has no flotillad: live runs need Linux")
         return FLOTILLAD
     command = [str(ROOT / "tools" / "build"), "release", "flotillad"]
-    say("building flotillad; the first time, this takes minutes")
+    if not FLOTILLAD.exists():
+        say("building flotillad: the first time, this takes minutes")
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
     if done.returncode != 0:
         say(done.stdout + done.stderr)

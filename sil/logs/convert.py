@@ -24,7 +24,8 @@ def convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None
         raise ValueError(f"{runs[0]} is the folder of a run: convert it separately")
     if runs:
         out = _place(wanted or runs[0] / run_folder.NAME)
-        if out.suffix != ".mcap" and out.exists() and out.parent.samefile(runs[0]):
+        inside = out.resolve().is_relative_to(runs[0].resolve())
+        if out.suffix != ".mcap" and out.exists() and inside:
             raise ValueError(f"{out} is a file of the run to convert: choose another --out")
         with bar(out, console) as progress:
             messages = run_folder.convert(runs[0], out, progress)

@@ -74,8 +74,9 @@ def fleet(hull: str, number: int) -> Scenario:
 def outings(hull: str, numbers: Sequence[int]) -> list[Outing]:
     """The outings of these fleets of a hull, without those that do not start.
 
-    A fleet starts with its hulls held in place. With full thrust towards far slots, boats find
-    within 0.3 s that they do not respond, and a boat behind them that its leader's state is frozen.
+    A fleet starts with its hulls held in place while the positions vary by noise. With full thrust
+    towards far slots, boats find within 0.3 s that they do not respond, and a boat behind them that
+    its leader's state is frozen. Of fleets 1 to 39, one of the paper's vessel does not start.
     """
     found = []
     fleets = [fleet(hull, number) for number in numbers]
@@ -103,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     table = Table(
         *(
             "hull",
-            "fleets",
+            "fleets that started",
             "nearest two, guards",
             "nearer than 1",
             "in place: median, 95 %, s",
@@ -116,7 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         median_s, late_s = np.quantile([each.arrived_s for each in found], (0.5, 0.95))
         table.add_row(
             hull,
-            str(len(found)),
+            f"{len(found)} of {given.runs}",
             f"{min(nearest):.2f}",
             str(sum(each < 1.0 for each in nearest)),
             f"{median_s:.0f}, {late_s:.0f}",

@@ -9,7 +9,7 @@ from sil.scenario import presets, scenario
 from tests.each_push import few
 from tests.loop.jetty import outings
 
-NEAREST = 0.95  # of the guard
+NEAREST = 0.95  # of the guard; measured: 0.99 for the BlueBoat, all others over 1
 STARTS_M = (  # ahead and abeam of the slots
     (0.0, 64.0),
     (-60.0, 0.0),

@@ -113,9 +113,31 @@ def test_too_many_requests_to_remember_make_no_room_for_a_late_copy(sea: Sea, co
     sea.boat.on_mavlink(wire, sea.now_us, RADIO)
     sea.run(0.1)
     assert sea.state == "LOITER"
+
+
+def test_another_operators_many_requests_make_no_room_for_a_late_copy(sea: Sea) -> None:
+    wire = say(sea, command_long(SET_MODE, 1.0, float(FORMATION)))
+    sea.step()
+    sea.say(command_long(SET_MODE, 1.0, float(LOITER)), sender=SECOND)
+    for k in range(32):
+        sea.say(param_set("SR_SLOW", 0.5 + 0.01 * k), sender=SECOND)
+        sea.run(0.06)
+    assert sea.state == "LOITER"
+    sea.boat.on_mavlink(wire, sea.now_us, RADIO)
+    sea.run(0.1)
+    assert sea.state == "LOITER"
+
+
+def test_after_too_many_requests_another_link_is_believed_five_seconds_later(sea: Sea) -> None:
+    for k in range(40):
+        say(sea, param_set("SR_SLOW", 0.5 + 0.01 * k))
+        sea.run(0.1)
+    tick = sea.order(SET_MODE, 1.0, float(LOITER), link=RADIO)
+    assert not acks(tick, RADIO) and sea.state == "FORMATION"
+    assert "Refused: too many, and on another link: wait 5 s" in texts([tick])
     sea.run(5.0)
-    sea.order(SET_MODE, 1.0, float(HOLD), link=RADIO)
-    assert acks(sea.order(SET_MODE, 1.0, float(LOITER), link=RADIO), RADIO)[0][1] == ACCEPTED
+    tick = sea.order(SET_MODE, 1.0, float(LOITER), link=RADIO)
+    assert acks(tick, RADIO) == [(SET_MODE, ACCEPTED)] and sea.state == "LOITER"
 
 
 @pytest.mark.parametrize("link", [0, RADIO])

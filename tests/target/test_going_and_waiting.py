@@ -334,16 +334,28 @@ def test_a_repeated_order_whose_first_copy_was_lost_ends_an_older_pause() -> Non
     assert place(sea)[0] > stopped[0] + 2.0
 
 
+@pytest.mark.parametrize("mode", [RTL, LOITER])
+def test_a_repeated_order_to_another_mode_is_accepted_right_after_a_pause(mode: int) -> None:
+    sea = guided(30.0)
+    sea.run(5.0)
+    sea.order(PAUSE, 0.0)
+    tick = sea.order(SET_MODE, 1.0, float(mode), confirmation=1)
+    assert acks(tick) == [(SET_MODE, ACCEPTED)] and not any("Refused" in t for t in texts([tick]))
+    assert sea.state == {RTL: "RTL", LOITER: "LOITER"}[mode]
+
+
 def test_the_same_target_again_ends_a_pause_but_not_one_that_has_just_begun() -> None:
     sea = guided(30.0)
     sea.run(5.0)
     sea.order(PAUSE, 0.0)
-    reposition(sea, at(30, 0))
+    tick = reposition(sea, at(30, 0))
+    assert acks(tick) == [(REPOSITION, TEMPORARILY_REJECTED)]
+    assert "Refused: boat was just paused: ask again in 5 s" in texts([tick])
     sea.run(10.0)
     stopped = place(sea)
     sea.run(3.0)
     assert place(sea) == pytest.approx(stopped, abs=0.02)
-    reposition(sea, at(30, 0))
+    assert acks(reposition(sea, at(30, 0))) == [(REPOSITION, ACCEPTED)]
     sea.run(10.0)
     assert place(sea)[0] > stopped[0] + 2.0
 

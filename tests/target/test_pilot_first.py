@@ -60,6 +60,24 @@ def test_an_order_does_not_take_the_boat_from_a_pilot_who_steers(confirmation: i
     assert sea.state == "MANUAL" and max(sea.commands) < 0
 
 
+def test_hold_ends_a_pilots_steering_for_the_next_order() -> None:
+    sea = steering()
+    tick = sea.order(SET_MODE, 1.0, float(FORMATION))
+    assert "Refused: a pilot has the controls, HOLD first" in texts([tick])
+    sea.say(command_long(SET_MODE, 1.0, float(HOLD)), command_long(SET_MODE, 1.0, float(FORMATION)))
+    hold(sea, rc(ahead=-0.5), 0.1)
+    assert sea.state == "FORMATION"
+
+
+def test_a_throttle_that_rests_at_its_lower_end_is_no_steering() -> None:
+    sea = at_sea(WITH_RC)
+    hold(sea, rc(ahead=-1.0), 0.5)
+    hold(sea, rc(ahead=-1.0, starboard=0.5), 0.3)
+    hold(sea, rc(ahead=-1.0), 0.5)
+    assert sea.state == "MANUAL" and sea.commands == (0, 0)
+    assert acks(sea.order(SET_MODE, 1.0, float(FORMATION))) == [(SET_MODE, ACCEPTED)]
+
+
 def test_a_retransmission_does_not_undo_a_pilots_takeover_but_a_new_order_ends_it() -> None:
     sea = steering()
     hold(sea, rc(), 0.3)

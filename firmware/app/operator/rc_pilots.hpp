@@ -28,10 +28,12 @@ class RcPilots {
   [[gnu::noinline]] bool take(std::size_t link, const link::Received& received, const Rules& rules,
                               Supervisor& supervisor, std::int64_t now_us);
 
-  /// A pilot's switch is on, or the pilot at the transmitter steers.
+  /// A pilot's switch is on.
   bool hold(std::int64_t now_us) const {
-    return transmitter_.holds(now_us) || transmitter_.steers(now_us) || overrides_.holds(now_us);
+    return transmitter_.holds(now_us) || overrides_.holds(now_us);
   }
+  /// The pilot at the transmitter has taken over, and a stick is off neutral.
+  bool steer(std::int64_t now_us) const { return transmitter_.steers(now_us); }
 
   /// The pending request, MANUAL or HOLD.
   std::optional<core::Request> take_request(core::State state, std::int64_t now_us);

@@ -14,11 +14,12 @@ namespace flotilla::app {
 class SailingOrders {
  public:
   /// Sets a target for GUIDED, instead of velocities, and ends a pause. The same target again ends
-  /// no pause that has just begun, because it may be a late copy.
-  void go_to(const Target& target, std::int64_t now_us) {
+  /// no pause that has just begun, because it may be a late copy: then false.
+  [[nodiscard]] bool go_to(const Target& target, std::int64_t now_us) {
     paused_ = ordered_ == target && was_just_paused(now_us);
     ordered_ = target_ = target;
     drive_.reset();
+    return !paused_;
   }
 
   /// Takes a script's setpoint for GUIDED: a new target, velocities, or neither. The target that an

@@ -107,11 +107,17 @@ void Vehicle::keep(std::size_t link, const link::Received& received, const Reque
                    std::int64_t now_us, link::Counters& counters) {
   const PendingRequest pending{now_us,          request, received.from,
                                received.target, link,    may_command(received.from)};
-  const bool copy = Setpoints::is_one(received.id)
-                        ? pending.may_command && !setpoint_link_.takes(received.from, link, now_us)
-                        : pending.effects.overwrites &&
-                              copies_.note_and_match(received, links_.frame(link), link, now_us);
-  if (!copy || pending.effects.stops) inbox_.push(pending, counters);
+  bool copy = false;
+  if (Setpoints::is_one(received.id)) {
+    copy = pending.may_command && !setpoint_link_.takes(received.from, link, now_us);
+  } else if (pending.effects.overwrites) {
+    const auto verdict = copies_.judge(received, links_.frame(link), link, now_us);
+    copy = verdict != Copies::Verdict::kNew;
+    if (FLOTILLA_KEEPS_FLEET != 0 && verdict == Copies::Verdict::kPerhaps) {
+      ignored_ = "too many, and on another link: wait 5 s";
+    }
+  }
+  if (!copy) inbox_.push(pending, counters);
 }
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
@@ -181,12 +187,22 @@ void Vehicle::stop(link::Counters& counters) {
 
 void Vehicle::apply_rc(link::Counters& counters) {
   const auto asked = rc_.take_request(supervisor_.state(), now_us_);
-  if (asked == Request::kManual) recent_.note_order({}, now_us_);
   if (asked == Request::kHold) {
     recent_.note_pilots_stop(now_us_);
     drop_orders(counters);
   }
   if (asked) request(*asked, counters);
+  if (asked == Request::kManual && supervisor_.state() == State::kManual) {
+    recent_.note_order({}, now_us_);
+  }
+}
+
+/// While a pilot has the controls, an operator may only arm and stop the boat.
+bool Vehicle::is_barred(Request request) const {
+  const bool steered = FLOTILLA_KEEPS_FLEET != 0 && supervisor_.state() == State::kManual &&
+                       rc_.steer(now_us_) &&
+                       (supervisor_.conditions(now_us_) & core::kSticksCentred) != 0;
+  return core::kind_of(request) == core::RequestKind::kDrives && (rc_.hold(now_us_) || steered);
 }
 
 void Vehicle::request(Request request, link::Counters& counters) {
@@ -238,7 +254,7 @@ bool Vehicle::answer(link::Counters& counters) {
   return more;
 }
 
-/// Refuses what a pilot's switch bars. Judges AUTO by the way from the boat's present place to the
+/// Refuses what a pilot bars. Judges AUTO by the way from the boat's present place to the
 /// item that is chosen now.
 Supervisor::Decision Vehicle::judge(Request request) {
   if (is_barred(request)) return {false, false, 0};
@@ -297,7 +313,7 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
   const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
   if (missing == 0) {
     const State state = supervisor_.state();
-    const auto* const why = is_barred(request)          ? "a pilot has the controls"
+    const auto* const why = is_barred(request)          ? "a pilot has the controls, HOLD first"
                             : state == State::kFault    ? "FAULT, disarm first"
                             : state == State::kDisarmed ? "arm first"
                             : state == State::kHold     ? "test thrust is below THR_DEAD"

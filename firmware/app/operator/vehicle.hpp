@@ -170,10 +170,7 @@ class Vehicle {
                      link::Counters& counters);
   std::optional<PlanReport> plan_report() const;
   void refresh();
-  /// While a pilot has the controls, an operator may only arm and stop the boat.
-  bool is_barred(core::Request request) const {
-    return core::kind_of(request) == core::RequestKind::kDrives && rc_.hold(now_us_);
-  }
+  bool is_barred(core::Request request) const;
   void drop_orders(link::Counters& counters);
   Supervisor::Decision judge(core::Request request);
   std::optional<convert::Position> place() const;

@@ -19,6 +19,8 @@ bool sails_alone(Request request) {
          request == Request::kReturn;
 }
 
+constexpr std::string_view kJustPaused = "boat was just paused: ask again in 5 s";
+
 bool is_of_logs(const RequestMessage& message) {
   return std::holds_alternative<link::LogRequestList>(message) ||
          std::holds_alternative<link::LogRequestData>(message) ||
@@ -193,7 +195,7 @@ std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
 std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked, bool repeated) {
   const bool pauses = asked.paused && *asked.paused;
   if (FLOTILLA_KEEPS_FLEET != 0 && repeated && !pauses && orders_.was_just_paused(now_us_)) {
-    asked.why = "boat was just paused: ask again in 5 s";
+    asked.why = kJustPaused;
     return mav::kTemporarilyRejected;
   }
   if (asked.item) return answer_of_jump(asked);
@@ -236,14 +238,18 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   // AUTO again at the plan's end begins the plan anew.
-  const bool stays = decision.granted && !decision.changed && !command.repeated;
-  if (asked.request == Request::kAuto && stays && missions_.is_complete()) asked.item = 0;
+  const bool stays = decision.granted && !decision.changed;  // a new state has no pause
+  const bool anew = stays && !command.repeated;
+  if (asked.request == Request::kAuto && anew && missions_.is_complete()) asked.item = 0;
   const bool judged = FLOTILLA_KEEPS_FLEET != 0 || !command.repeated;  // see answer_of_plan()
-  const bool resumes = sails_alone(asked.request) && !asked.target && decision.granted && judged;
+  const bool resumes = sails_alone(asked.request) && !asked.target && stays && judged;
   if (asked.item || asked.paused || resumes) {  // not set if denied
     asked.result = answer_of_plan(asked, command.repeated);
   }
-  if (asked.target && decision.granted) orders_.go_to(*asked.target, now_us_);
+  if (asked.target && decision.granted && !orders_.go_to(*asked.target, now_us_)) {
+    asked.result = mav::kTemporarilyRejected;
+    asked.why = kJustPaused;
+  }
   if (asked.fence) asked.result = answer_of_fence(asked, command.repeated);
   if (asked.message) {
     refresh();

@@ -315,7 +315,7 @@ def test_a_finished_campaign_that_is_replaced_by_another_is_named(
     assert "replaces" not in capsys.readouterr().out
     assert main([*command(scenario, out), "--runs", "1"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert f"held a finished campaign of {RUNS} runs, which this one replaces" in told
+    assert f"held a finished campaign with runs: {RUNS}, now 1; this one replaces it" in told
 
 
 def test_a_voyage_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -153,11 +153,13 @@ def test_converting_the_folder_again_gives_as_many_messages_of_each_topic(
     }
 
 
-@pytest.mark.parametrize("name", ["trace.npz", "recording.bin"])
+@pytest.mark.parametrize("name", ["trace.npz", "recording.bin", "boat1/log/x.tlog"])
 def test_converting_replaces_no_other_file_of_the_run(
     name: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = shutil.copytree(folder, tmp_path / "run")
+    (run / "boat1" / "log").mkdir(parents=True)
+    (run / "boat1" / "log" / "x.tlog").write_bytes(b"of a live run")
     before = (run / name).read_bytes()
     assert flotilla(["convert", str(run), "--out", str(run / name)]) == 2
     assert_told_in_one_line("is a file of the run to convert: choose another --out", capsys)
