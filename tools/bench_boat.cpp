@@ -21,7 +21,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 
 namespace {
 

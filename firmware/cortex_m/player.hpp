@@ -13,8 +13,8 @@
 #include <optional>
 #include <span>
 
-#include "app/boat.hpp"
-#include "app/law_scalar.hpp"
+#include "app/boat/boat.hpp"
+#include "app/boat/law_scalar.hpp"
 #include "cortex_m/sha256.hpp"
 
 namespace flotilla::target {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "app/boat.hpp"
-#include "app/law_scalar.hpp"
+#include "app/boat/boat.hpp"
+#include "app/boat/law_scalar.hpp"
 #include "linux/can/can_bus.hpp"
 #include "linux/config/config.hpp"
 #include "linux/files/node_table.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "link/any_message.hpp"
 
 namespace flotilla::testing {

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "app/harbour.hpp"
 
 namespace flotilla::app {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "app/conditions.hpp"
+#include "app/boat/conditions.hpp"
 
 namespace flotilla::app {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "app/monotonic_clock.hpp"
+#include "app/boat/monotonic_clock.hpp"
 
 namespace flotilla::app {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "fuzz/guard.hpp"
 #include "fuzz/wire_numbers.hpp"
 #include "link/dronecan/messages.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "app/parameters.hpp"
 
 namespace flotilla::target {

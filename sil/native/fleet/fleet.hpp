@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "fleet/clock.hpp"
 #include "fleet/esc_nodes.hpp"
 #include "fleet/huge_page_list.hpp"

@@ -13,7 +13,7 @@
 #include <utility>
 #include <variant>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "app/operator/services/metadata.hpp"
 #include "app/operator/telemetry/text.hpp"
 #include "app/parameters/derived.hpp"

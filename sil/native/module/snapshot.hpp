@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 
 inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                             flotilla::core::kConditionCount>

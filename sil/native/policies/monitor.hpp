@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "policies/can_ear.hpp"
 #include "policies/mavlink_ear.hpp"
 #include "policies/moment.hpp"

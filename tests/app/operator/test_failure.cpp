@@ -8,7 +8,7 @@
 #include <span>
 #include <variant>
 
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 #include "app/operator/commands.hpp"
 #include "link/any_message.hpp"
 

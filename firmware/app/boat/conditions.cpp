@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "app/conditions.hpp"
+#include "app/boat/conditions.hpp"
 
 #include <algorithm>
 #include <tuple>
 #include <utility>
 
-#include "app/parts.hpp"
+#include "app/boat/parts.hpp"
 
 namespace flotilla::app {
 namespace {

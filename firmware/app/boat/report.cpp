@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/report.hpp"
+#include "app/boat/report.hpp"
 
 #include <tuple>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/parts.hpp"
+#include "app/boat/parts.hpp"
 
 namespace flotilla::app {
 

@@ -9,23 +9,23 @@
 #include <span>
 #include <utility>
 
-#include "app/alone.hpp"
-#include "app/conditions.hpp"
+#include "app/boat/alone.hpp"
+#include "app/boat/conditions.hpp"
+#include "app/boat/learner.hpp"
+#include "app/boat/learnt_time.hpp"
+#include "app/boat/membership.hpp"
+#include "app/boat/monotonic_clock.hpp"
+#include "app/boat/parts.hpp"
+#include "app/boat/report.hpp"
+#include "app/boat/scalar_range.hpp"
+#include "app/boat/ticks.hpp"
 #include "app/guidance/guidance.hpp"
-#include "app/learner.hpp"
-#include "app/learnt_time.hpp"
-#include "app/membership.hpp"
-#include "app/monotonic_clock.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/telemetry/warnings.hpp"
 #include "app/operator/vehicle.hpp"
-#include "app/parts.hpp"
 #include "app/propulsion/can_node.hpp"
 #include "app/propulsion/thrusters.hpp"
-#include "app/report.hpp"
-#include "app/scalar_range.hpp"
 #include "app/supervisor.hpp"
-#include "app/ticks.hpp"
 
 namespace flotilla::app {
 

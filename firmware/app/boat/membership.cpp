@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/membership.hpp"
+#include "app/boat/membership.hpp"
 
 namespace flotilla::app {
 

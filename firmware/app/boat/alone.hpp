@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/conditions.hpp"
+#include "app/boat/conditions.hpp"
 #include "app/guidance/voyage_guidance.hpp"
 #include "app/operator/telemetry/warnings.hpp"
 #include "app/operator/vehicle.hpp"

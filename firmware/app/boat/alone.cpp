@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/alone.hpp"
+#include "app/boat/alone.hpp"
 
 #include <algorithm>
 #include <tuple>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "app/boat.hpp"
+#include "app/boat/boat.hpp"
 
 #include <algorithm>
 #include <tuple>
 #include <utility>
 
-#include "app/outlook.hpp"
+#include "app/boat/outlook.hpp"
 #include "core/manual.hpp"
 
 namespace flotilla::app {

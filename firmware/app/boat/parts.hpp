@@ -2,7 +2,7 @@
 // Read-only references to a boat's parts, for its conditions, reports and snapshots.
 #pragma once
 
-#include "app/conditions.hpp"
+#include "app/boat/conditions.hpp"
 #include "app/estimation/model_monitor.hpp"
 #include "app/operator/host_report.hpp"
 #include "app/operator/vehicle.hpp"
