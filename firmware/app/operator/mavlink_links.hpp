@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "app/operator/commands.hpp"
+#include "app/operator/requests/commands.hpp"
 #include "app/operator/telemetry/token_bucket.hpp"
 #include "link/mavlink/decode.hpp"
 #include "link/mavlink/encode.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "app/operator/failure.hpp"
+#include "app/operator/requests/failure.hpp"
 #include "fleet/fault.hpp"
 
 namespace flotilla::fleet {

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "app/operator/commands.hpp"
+#include "app/operator/requests/commands.hpp"
 
 namespace flotilla::app {
 namespace {

@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "app/boat/boat.hpp"
-#include "app/operator/commands.hpp"
+#include "app/operator/requests/commands.hpp"
 #include "link/any_message.hpp"
 
 namespace flotilla::app {

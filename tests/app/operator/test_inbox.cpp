@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "app/operator/inbox.hpp"
+#include "app/operator/requests/inbox.hpp"
 
 namespace flotilla::app {
 namespace {

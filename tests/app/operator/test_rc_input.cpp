@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "app/operator/rc_input.hpp"
+#include "app/operator/requests/rc_input.hpp"
 
 namespace flotilla::app {
 namespace {

@@ -10,7 +10,7 @@
 #include <span>
 #include <string_view>
 
-#include "app/operator/commands.hpp"
+#include "app/operator/requests/commands.hpp"
 #include "app/plan/fence.hpp"
 #include "app/plan/plan_check.hpp"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string_view>
 
-#include "app/operator/inbox.hpp"
+#include "app/operator/requests/inbox.hpp"
 
 namespace flotilla::app {
 

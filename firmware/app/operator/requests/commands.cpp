@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/operator/commands.hpp"
+#include "app/operator/requests/commands.hpp"
 
 #include <algorithm>
 #include <cmath>

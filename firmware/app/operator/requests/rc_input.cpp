@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/operator/rc_input.hpp"
+#include "app/operator/requests/rc_input.hpp"
 
 #include <algorithm>
 #include <cmath>

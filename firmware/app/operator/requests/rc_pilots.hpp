@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/operator/copies.hpp"
-#include "app/operator/rc_input.hpp"
+#include "app/operator/requests/copies.hpp"
+#include "app/operator/requests/rc_input.hpp"
 #include "app/supervisor.hpp"
 
 namespace flotilla::app {

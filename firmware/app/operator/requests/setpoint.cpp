@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/operator/setpoint.hpp"
+#include "app/operator/requests/setpoint.hpp"
 
 #include <algorithm>
 #include <cmath>

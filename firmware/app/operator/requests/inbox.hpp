@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "app/operator/commands.hpp"
+#include "app/operator/requests/commands.hpp"
 #include "link/counters.hpp"
 
 namespace flotilla::app {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <variant>
 
-#include "app/operator/failure.hpp"
+#include "app/operator/requests/failure.hpp"
 #include "app/plan/errand.hpp"
 #include "app/supervisor.hpp"
 #include "core/supervisor.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/operator/rc_pilots.hpp"
+#include "app/operator/requests/rc_pilots.hpp"
 
 #include <algorithm>
 #include <span>
