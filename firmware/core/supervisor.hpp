@@ -198,7 +198,7 @@ struct Row {
   Reactions on = 0;  ///< the row needs one of these reactions; 0: any, or none
 };
 
-constexpr std::array<Row, 47> kTable{{
+inline constexpr std::array<Row, 47> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
     // Automatic transitions. None leaves FAULT or leads from HOLD to motion; COAST ends by itself.
