@@ -48,7 +48,7 @@ enum class Request : std::uint8_t {
 };
 constexpr std::size_t kRequests = 12;
 
-/// What a request does with the propellers.
+/// The effect of a request on the propellers.
 enum class RequestKind : std::uint8_t {
   kNone,    ///< nothing
   kStops,   ///< stops them

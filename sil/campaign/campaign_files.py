@@ -80,7 +80,7 @@ class Folder:
             )
 
     def _other_finished(self, identity: Identity) -> str:
-        """What differs in a finished campaign in the folder; empty if there is none, or nothing."""
+        """Differences of a finished campaign in the folder; empty if there are none."""
         try:
             known = self._known()
         except (CampaignError, OSError):

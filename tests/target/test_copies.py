@@ -32,6 +32,7 @@ from tests.target.stations import (
 from tests.target.test_setpoints import NED, local
 
 RADIO = 1
+SECOND = Station(GCS - 1, GCS_COMPONENT)
 
 
 @pytest.fixture
@@ -101,27 +102,19 @@ def test_a_stop_that_is_repeated_on_both_links_makes_no_room_for_a_late_copy(sea
     assert sea.state == "HOLD"
 
 
-@pytest.mark.parametrize("count", [31, 32, 45])
-def test_too_many_requests_to_remember_make_no_room_for_a_late_copy(sea: Sea, count: int) -> None:
+@pytest.mark.parametrize(
+    ("sender", "count", "every_s"),
+    [(None, 31, 0.1), (None, 32, 0.1), (None, 45, 0.1), (SECOND, 32, 0.06)],
+)
+def test_too_many_requests_to_remember_make_no_room_for_a_late_copy(
+    sea: Sea, sender: Station | None, count: int, every_s: float
+) -> None:
     wire = say(sea, command_long(SET_MODE, 1.0, float(FORMATION)))
     sea.step()
-    sea.mode(LOITER)
+    sea.say(command_long(SET_MODE, 1.0, float(LOITER)), sender=sender)
     for k in range(count):
-        say(sea, param_set("SR_SLOW", 0.5 + 0.01 * k))
-        sea.run(0.1)
-    assert sea.state == "LOITER"
-    sea.boat.on_mavlink(wire, sea.now_us, RADIO)
-    sea.run(0.1)
-    assert sea.state == "LOITER"
-
-
-def test_another_operators_many_requests_make_no_room_for_a_late_copy(sea: Sea) -> None:
-    wire = say(sea, command_long(SET_MODE, 1.0, float(FORMATION)))
-    sea.step()
-    sea.say(command_long(SET_MODE, 1.0, float(LOITER)), sender=SECOND)
-    for k in range(32):
-        sea.say(param_set("SR_SLOW", 0.5 + 0.01 * k), sender=SECOND)
-        sea.run(0.06)
+        sea.say(param_set("SR_SLOW", 0.5 + 0.01 * k), sender=sender)
+        sea.run(every_s)
     assert sea.state == "LOITER"
     sea.boat.on_mavlink(wire, sea.now_us, RADIO)
     sea.run(0.1)
@@ -166,9 +159,6 @@ def test_a_late_copy_of_a_clear_does_not_clear_a_plan_that_was_sent_since(sea: S
 
 def pushed(ticks: Sequence[Tick]) -> bool:
     return any(any(tick.commands) for tick in ticks)
-
-
-SECOND = Station(GCS - 1, GCS_COMPONENT)
 
 
 @pytest.mark.parametrize("second", [False, True], ids=["one operator", "two"])

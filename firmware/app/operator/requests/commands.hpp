@@ -84,7 +84,7 @@ struct DecodedCommand {
 };
 DecodedCommand meaning_of(const Command& command);
 
-/// What a request would do if it were granted.
+/// The effects of a request, if it is granted.
 struct Effects {
   bool stops : 1 = false;       ///< disarms, terminates, or is a HOLD that is obeyed
   bool ends : 1 = false;        ///< disarms or terminates

@@ -15,7 +15,7 @@ namespace flotilla::app {
 /// The pilot at the transmitter goes first.
 class RcPilots {
  public:
-  /// What the boat accepts.
+  /// Limits on the messages that count.
   struct Rules {
     std::optional<std::uint8_t> mode_switch;  ///< its channel; without one, RC is ignored
     std::uint8_t own_system;                  ///< of the receiver
