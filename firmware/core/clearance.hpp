@@ -30,7 +30,7 @@
 // Not in paper. Sources of the ideas: C. Lee, J. Park, J. Kim, arXiv 2504.19247 (turning circles);
 // T. Paine et al., arXiv 2601.11335 (worst case).
 //
-// Q16.16: tested within ±200 (other vessels' places, m)
+// Q16.16: tested within ±500 (other vessels' places, m)
 #pragma once
 
 #include <array>
@@ -182,8 +182,9 @@ template <class S>
 S horizon_of(const SeparationParams<S>& params, S U, S r_m, S a) {
   const S least = params.horizon, most = S(20);
   if (!(S(0) < U && S(0) < r_m && S(0) < a)) return least;
-  const S gather_s = U < S(2) * a * most ? U / (S(2) * a) : most;
-  const S quarter_s = quarter_turn<S>() / r_m, room_s = params.end * params.least / U;
+  const S gather_s = ratio_within(U, S(2) * a, most);
+  const S quarter_s = ratio_within(quarter_turn<S>(), r_m, most);
+  const S room_s = ratio_within(params.end * params.least, U, most);
   return max(least, min(params.reaction + gather_s + quarter_s + room_s, most));
 }
 

@@ -20,7 +20,7 @@
 // Not in paper, which has no feedback of e_y and so needs a leader that keeps turning. From far
 // behind, the bow points at the slot; the boat does not circle a slot at rest, since U is zero.
 //
-// Q16.16: tested within ±200 (distances from the slot, m)
+// Q16.16: tested within ±500 (distances from the slot, m)
 #pragma once
 
 #include "core/formation_error.hpp"

@@ -5,6 +5,8 @@
 //  nu = [u v r]  velocity: surge, sway, yaw rate                  body    m/s, m/s, rad/s
 //  tau = [X N]   wrench of the two propellers: surge, yaw         body    N, N m
 //  e             formation error                                  body    m, m, rad
+//
+// Q16.16: tested within ±500 (wrench, N)
 #pragma once
 
 namespace flotilla::core {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/sailor.hpp"
+#include "core/scalar/overflow.hpp"
 
 namespace flotilla::core {
 namespace {
@@ -181,6 +182,45 @@ TEST_CASE("a boat looks as far ahead as it needs to turn aside, gather way and m
   for (const auto& [U, r_m, a] : {std::array{0.0, 0.8, 1.0}, {1.5, 0.0, 1.0}, {1.5, 0.8, 0.0}}) {
     CHECK(horizon(1.56, U, r_m, a) == 4);
   }
+}
+
+TEST_CASE("in Q16, limits next to zero give the longest look ahead without an overflow") {
+  SeparationParams<Q16> params;
+  params.least = testing::in_scalar<Q16>(5.88);
+  const Q16 lsb = Q16::of_raw(1), some = Q16(1);
+  (void)take_overflow<Q16>();
+  for (const auto& [U, r_m, a] :
+       {std::array{lsb, some, some}, {some, lsb, some}, {some, some, lsb}}) {
+    CHECK(horizon_of(params, U, r_m, a) == Q16(20));
+  }
+  CHECK_FALSE(take_overflow<Q16>());
+}
+
+TEST_CASE("in Q16, the clearance of a vessel up to 500 m away is that in double") {
+  const auto clearance_of = []<class S>(double north, double east, double a) {
+    SeparationParams<S> params;
+    params.least = testing::in_scalar<S>(5.88);
+    Traffic<S> traffic;
+    traffic.vessels[0] = {{testing::in_scalar<S>(north), testing::in_scalar<S>(east)},
+                          {S(-5), S(2)},
+                          S(1),
+                          true,
+                          true};
+    traffic.count = 1;
+    const Intent<S> intent{{S(1), S(0)}, {S(1), S(0)}, {S(9), S(0)}, S(2), S(1)};
+    const SeparationInput<S> in{traffic, rotation(S(0)), {S(1)}, testing::in_scalar<S>(a),
+                                S(1),    intent,         S(0)};
+    return testing::number_of(clearance(params, {}, in, Vec2<S>{S(1), S(1)}));
+  };
+  (void)take_overflow<Q16>();
+  for (const double place : {5.0, 100.0, 499.0}) {
+    for (const double a : {0.1, 1.0, 50.0}) {
+      const double exact = clearance_of.operator()<double>(place, -place, a);
+      CHECK(clearance_of.operator()<Q16>(place, -place, a) ==
+            doctest::Approx(exact).epsilon(0.001));
+    }
+  }
+  CHECK_FALSE(take_overflow<Q16>());
 }
 
 TEST_CASE("to sail abeam, a boat brakes, turns on the spot, and then gathers way") {

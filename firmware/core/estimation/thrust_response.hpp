@@ -2,11 +2,11 @@
 // Detects a boat that does not respond to its propellers: how much of the wrench appears in its
 // momentum.
 //
-//   ŵ = (m11 (u − ū) / T + ⟨d11 u − m22 v r⟩) / X₀        observed wrench, in units of X₀
-//   g = ⟨X⟩ / X₀                                          applied wrench, equally smoothed
-//   d = μ (|m11 (u − ū) / T| + ⟨|d11 u| + |m22 v r|⟩) / X₀     uncertainty of the model
+//   ŵ = (m11 (u − ū) / T + ⟨d11 u − m22 v r⟩) / 2X₀        observed wrench, at most ±50
+//   g = ⟨X⟩ / 2X₀                                          applied wrench, equally smoothed
+//   d = μ (|m11 (u − ū) / T| + ⟨|d11 u| + |m22 v r|⟩) / 2X₀     uncertainty of the model
 //   P ← P + (h / (W + h)) (ŵ g + d |g| − P)     Q ← Q + (h / (W + h)) (g² − Q)
-//   no response where Q > 1, P < ε Q and ⟨X⟩ (⟨u*⟩ − ū) > |⟨X⟩| δ for 0.75 s; likewise in yaw
+//   no response where Q > ¼, P < ε Q and ⟨X⟩ (⟨u*⟩ − ū) > |⟨X⟩| δ for 0.75 s; likewise in yaw
 //
 //  symbol    meaning                                            unit         tested range
 //  X, N      applied wrench                                     N, N m       ±1000
@@ -24,7 +24,7 @@
 // than μ; in yaw, where disturbances are greater, ε is smaller. A boat at its desired velocity
 // counts as responding, because in a current it may need thrust to stand still.
 //
-// Q16.16: tested within ±500 (wrench given, N)
+// Q16.16: tested within ±8,000 (ŵ g + d |g| − P)
 #pragma once
 
 #include "core/allocation.hpp"
@@ -90,9 +90,10 @@ void thrust_response_axis(const ThrustResponseParams<S>& params, ThrustResponseA
   const S momentum = in.inertia * (in.rate - axis.rate) / params.T;
   const S seen = momentum + axis.resisted;
   const S doubt = params.mismatch * (abs(momentum) + axis.weight);
-  const S g = ratio_within(axis.given, in.least, S(100));
-  const S w = ratio_within(seen, in.least, S(100));
-  const S d = ratio_within(doubt, in.least, S(100));
+  const S unit = S(2) * in.least, most = S(50);
+  const S g = ratio_within(axis.given, unit, most);
+  const S w = ratio_within(seen, unit, most);
+  const S d = ratio_within(doubt, unit, most);
   const S q = h / (params.W + h);
   axis.P = axis.P + q * (w * g + d * abs(g) - axis.P);
   axis.Q = axis.Q + q * (g * g - axis.Q);
@@ -102,7 +103,7 @@ template <class S>
 bool fails(const ThrustResponseAxis<S>& axis, S share, S near) {
   const S lacking = axis.desired - axis.rate;
   const bool lacks = near < (axis.given < S(0) ? -lacking : lacking);
-  return lacks && S(1) < axis.Q && axis.P < share * axis.Q;
+  return lacks && S(0.25) < axis.Q && axis.P < share * axis.Q;
 }
 
 /// Advances by h seconds; nu: last measured velocity; given: wrench applied to reach `desired`.

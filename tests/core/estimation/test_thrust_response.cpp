@@ -7,6 +7,7 @@
 
 #include "core/estimation/thrust_response.hpp"
 #include "core/piloted_boat.hpp"
+#include "core/scalar/overflow.hpp"
 
 namespace flotilla::core {
 namespace {
@@ -120,6 +121,28 @@ TEST_CASE_TEMPLATE(
       CHECK(answered == (desired < 0.1));
     }
   }
+}
+
+TEST_CASE("in Q16 no wrench overflows, and a large one without motion is seen as in double") {
+  const auto fails_with = []<class S>(S X) {
+    ThrustResponseParams<S> params;
+    params.vessel = testing::papers_vessel<S>();
+    params.propellers = {S(0.25), S(20), S(20)};
+    ThrustResponse<S> state;
+    for (int k = 0; k < 500; ++k) {
+      // the velocity alternates, so that the momentum that is seen has either sign
+      const Nu<S> nu{S(k % 40 < 20 ? 3 : -3), S(1), S(k % 40 < 20 ? 2 : -2)};
+      thrust_response_forward(params, state, S(0) < X ? Nu<S>{} : nu, Nu<S>{S(1)}, Tau<S>{X, X},
+                              S(0.01));
+    }
+    return !answers(params, state);
+  };
+  (void)take_overflow<Q16>();
+  for (const int X : {1, 2, 10, 1000, -1000}) {
+    CAPTURE(X);
+    CHECK(fails_with(Q16(X)) == fails_with(static_cast<double>(X)));
+  }
+  CHECK_FALSE(take_overflow<Q16>());
 }
 
 TEST_CASE_TEMPLATE("a boat that did not answer is tested again some seconds after it stopped", S,

@@ -56,8 +56,8 @@ def test_in_every_scenario_each_files_numbers_stay_within_its_stated_range(built
     told = run(sys.executable, "-m", "sil.examine.ranges", "--seconds", "25")
     assert told.returncode == 0, told.stdout + told.stderr
     unseen = {line.split()[0] for line in told.stdout.splitlines() if line.rstrip().endswith("–")}
-    # nobody is at the sticks; a product that is carried has 64 bits of its own
-    assert unseen == {"manual", "carry"}
+    # no scenario has an operator at the sticks, setpoints or a fence; a carried product has 64 bits
+    assert unseen == {"manual", "drive", "fence", "carry"}
 
 
 @pytest.mark.parametrize(
