@@ -5,12 +5,11 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-import numpy as np
-
 from sil.campaign import finished
 from sil.campaign.campaign_files import CampaignError, Identity
 from sil.campaign.finished import Campaign
 from sil.campaign.run_outcome import motion_digest
+from sil.lockstep import trace_file
 
 _WHAT = ("scenario", "document", "parameters", "seed")
 
@@ -51,12 +50,13 @@ def is_finished(folder: Path) -> bool:
 
 def is_same(campaign: Campaign, run: int) -> bool:
     """Whether the run was sailed again, with the same motion, bit for bit, as in the table."""
-    trace = place(campaign.folder, run) / "trace.npz"
-    if not trace.is_file():
+    folder = place(campaign.folder, run)
+    if not (folder / trace_file.NAME).is_file():
         return False
-    with np.load(trace) as arrays:
-        digest = motion_digest({name: arrays[name] for name in ("t_s", "eta", "nu")})
-    return digest in campaign.digest[campaign.runs == run]
+    return (
+        motion_digest(trace_file.read(folder, ("t_s", "eta", "nu")))
+        in campaign.digest[campaign.runs == run]
+    )
 
 
 def told(folder: Path, run: int) -> str:

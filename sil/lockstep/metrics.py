@@ -40,6 +40,15 @@ class BoatSummary(TypedDict):
     said: NotRequired[list[str]]  # texts from when it first fell out of FORMATION
 
 
+class PlanEnd(TypedDict):
+    """How far a boat came in its plan."""
+
+    item: int  # it sails to this one of `items`, the first is 1
+    items: int
+    over_s: float | None  # when its plan was over
+    waiting_m: float | None  # greatest distance of a boat from its slot after that
+
+
 class Summary(TypedDict):
     """summary.json. Lockstep runs have a digest, live runs the two times after it."""
 
@@ -51,9 +60,10 @@ class Summary(TypedDict):
     digest: str | None
     release_unix_s: float | None  # UNIX time of t_s = 0
     late_s: float | None  # greatest delay of a tick of the simulation
-    boats: list[BoatSummary]
+    boats: list[BoatSummary]  # figures until the plan was over, if there was one
     min_separation_m: float | None
     hull_m: float  # length of the longest hull
+    plan: NotRequired[PlanEnd]  # boat 1 leads by its plan
     voyage: NotRequired[str]  # the only boat measures its hull, without a slot: its last text of it
 
 

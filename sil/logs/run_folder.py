@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator, Mapping
 from math import cos, sin
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from pymavlink.dialects.v20 import common as mavlink
 
+from sil.lockstep import trace_file
 from sil.lockstep.recording import CAN_IN, MAVLINK_OUT, Recording, of_run
 from sil.logs.escs import EscBus
 from sil.logs.output import Output, Pose
@@ -37,7 +37,7 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
 
     A live run has no recording; then only the truth is written. ValueError for a damaged file.
     """
-    trace = _trace(folder / "trace.npz")
+    trace = trace_file.read(folder)
     t_us = np.rint(1e6 * trace["t_s"]).astype(np.int64)
     boats = trace["error"].shape[1]
     with Output(ORIGIN) as output:
@@ -69,17 +69,6 @@ def _recording(folder: Path) -> Path | None:
 
 def _ns(t_us: int) -> int:
     return 1000 * (EPOCH_S * _US + t_us)
-
-
-def _trace(path: Path) -> dict[str, Array]:
-    try:
-        with path.open("rb") as stream, np.load(stream) as file:
-            trace = {name: file[name] for name in ("t_s", "eta", "nu", "error", "thrust")}
-        if not trace["t_s"].size:
-            raise ValueError("it is empty")
-    except (BadZipFile, KeyError, EOFError, ValueError) as error:
-        raise ValueError(f"{path}: not the trace of a run: {error}") from None
-    return trace
 
 
 def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t_ns: int) -> None:

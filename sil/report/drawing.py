@@ -14,7 +14,7 @@ from sil.plant.hull import Array
 CAN_DRAW = find_spec("matplotlib") is not None
 Pictures = dict[str, bytes]
 _DRAWN = ("t_s", "eta", "error", "thrust")
-_Order = tuple[str, Mapping[str, Array], Sequence[tuple[float, float]], str]
+_Order = tuple[str, Mapping[str, Array], Sequence[tuple[float, float]], str, float | None]
 
 
 def draw(
@@ -22,6 +22,7 @@ def draw(
     trace: Mapping[str, Array],
     limits_N: Sequence[tuple[float, float]] = (),
     root: str = "virtual leader",
+    end_s: float | None = None,
 ) -> Pictures:
     """The PNGs of a run: "formation", "errors" and "thrust"; arguments as `sil.report.plots`.
 
@@ -33,7 +34,7 @@ def draw(
 
     figures = {
         "formation": plots.formation(name, trace, root),
-        "errors": plots.errors(name, trace),
+        "errors": plots.errors(name, trace, end_s),
         "thrust": plots.thrust(name, trace, limits_N),
     }
     pictures = {}
@@ -74,9 +75,10 @@ class Drawing:
         trace: Mapping[str, Array],
         limits_N: Sequence[tuple[float, float]],
         root: str = "virtual leader",
+        end_s: float | None = None,
     ) -> None:
         """Order the pictures; arguments as `draw`."""
-        self._order = (name, {array: trace[array] for array in _DRAWN}, limits_N, root)
+        self._order = (name, {array: trace[array] for array in _DRAWN}, limits_N, root, end_s)
         try:
             self._ours.send(self._order)
         except OSError:

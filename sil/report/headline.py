@@ -4,7 +4,7 @@
 import math
 from typing import Literal, NamedTuple
 
-from sil.lockstep.metrics import SETTLED_M, BoatSummary, Summary
+from sil.lockstep.metrics import SETTLED_M, BoatSummary, PlanEnd, Summary
 
 _COLOURS = {"good": "green", "fair": "yellow", "bad": "red"}
 IN_SLOT_M = 0.2
@@ -19,7 +19,7 @@ class Verdict(NamedTuple):
 
     "bad": two boats came too near, a boat was in a state in which the law does not drive it, or its
     error was not finite. "fair": a boat was farther than `IN_SLOT_M` from its slot in the last
-    third of the run.
+    third of the run, or the plan of a boat that leads was not over.
     """
 
     level: Level
@@ -44,7 +44,9 @@ def of_run(summary: Summary) -> Verdict:
         over = summary["voyage"]
         text = over or f"the voyage was not over after {summary['duration_s']:g} s"
         return Verdict("bad" if wrong else "good" if over else "fair", "; ".join([text, *wrong]))
-    early_s = 2.0 / 3.0 * summary["duration_s"]
+    plan = summary.get("plan")
+    over_s = None if plan is None else plan["over_s"]
+    early_s = 2.0 / 3.0 * (over_s or summary["duration_s"])
     settling = [boat["settling_time_s"] for boat in boats]
     settled = [s for s in settling if s is not None and s <= early_s]
     if len(settled) == len(boats):
@@ -62,8 +64,19 @@ def of_run(summary: Summary) -> Verdict:
     least_m = summary["min_separation_m"]
     if least_m is not None:
         parts.append(f"closest two boats {least_m:.2f} m")
-    level: Level = "bad" if wrong else "good" if in_slots else "fair"
+    if plan is not None:
+        parts.append(_plan(plan))
+    done = plan is None or over_s is not None
+    level: Level = "bad" if wrong else "good" if in_slots and done else "fair"
     return Verdict(level, "; ".join([*parts, *wrong]))
+
+
+def _plan(plan: PlanEnd) -> str:
+    if plan["over_s"] is None:
+        return f"boat 1's plan was not over: still on item {plan['item']} of {plan['items']}"
+    over = f"boat 1's plan was over after {plan['over_s']:.0f} s"
+    waiting_m = plan["waiting_m"]
+    return over if waiting_m is None else f"{over}, then all waited within {length(waiting_m)}"
 
 
 def _states(boats: list[BoatSummary]) -> list[str]:

@@ -138,10 +138,14 @@ def _finish(
     trace = result.trace
     afloat = boats_of(scenario)
     limits_N = [boat.limits_N for boat in afloat if boat.limits_N is not None]
-    drawing.begin(scenario.name, trace, limits_N, scenario.leader.name)
+    recorded = out / "recording.bin" if result.digest is not None else None
+    said = said_of(out, trace, recorded, release_unix_s)
+    plan = said.boats[0].plan_end() if said and scenario.leader.boat is not None else None
+    end_s = None if plan is None else plan["over_s"]
+    drawing.begin(scenario.name, trace, limits_N, scenario.leader.name, end_s)
     # figures of a diverged run are not finite
     with np.errstate(all="ignore"):
-        boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states)
+        boats = _boats(result, plan)
         separation_m = metrics.min_separation_m(trace["eta"])
     summary: Summary = {
         "scenario": scenario.name,
@@ -156,8 +160,6 @@ def _finish(
         "min_separation_m": separation_m,
         "hull_m": max(boat.length_m for boat in afloat),
     }
-    recorded = out / "recording.bin" if result.digest is not None else None
-    said = said_of(out, trace, recorded, release_unix_s)
     if said is not None:
         for boat, heard in zip(boats, said.boats, strict=False):
             if reasons := heard.reasons():
@@ -166,6 +168,8 @@ def _finish(
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     if scenario.leader.voyage_room_m is not None:
         summary["voyage"] = "" if said is None else said.boats[0].voyage_over()
+    elif plan is not None:
+        summary["plan"] = plan
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     save(out, summary, trace)
     pictures = drawing.pictures()
@@ -174,6 +178,22 @@ def _finish(
         pictures.pop("errors", None)
         (out / "errors.png").unlink(missing_ok=True)
     run_report.write(out, summary, trace, command, pictures, replayed)
+    _tell(scenario, summary, console)
+    console.print(f"results: {out}/report.html", soft_wrap=True, markup=False)
+    return summary
+
+
+def _boats(result: Run, plan: metrics.PlanEnd | None) -> list[metrics.BoatSummary]:
+    """The boats' figures until the end of `plan`, which gets those of the wait after it."""
+    t_s, error, thrust = (result.trace[name] for name in ("t_s", "error", "thrust"))
+    end_s = np.inf if plan is None or plan["over_s"] is None else plan["over_s"]
+    sailed = t_s <= end_s
+    if plan is not None and not sailed.all():
+        plan["waiting_m"] = float(metrics.distances(error[~sailed]).max())
+    return metrics.boats(t_s[sailed], error[sailed], thrust[sailed], result.states)
+
+
+def _tell(scenario: Scenario, summary: Summary, console: Console) -> None:
     plain = partial(console.print, soft_wrap=True, markup=False)
     console.print(headline.of_run(summary).marked, soft_wrap=True)
     console.print(run_report.table(summary))
@@ -187,15 +207,13 @@ def _finish(
             plain(f"boat {boat['id']} said: {words}", highlight=False)
     for fault in scenario.fault:
         console.print(fault.sentence(scenario.leader.name), soft_wrap=True, highlight=False)
-    digest = result.digest[:16] if result.digest else "none"
+    digest = (summary["digest"] or "none")[:16]
     console.print(
-        f"{scenario.duration_s:g} s sailed in {wall_s:.1f} s, "
+        f"{scenario.duration_s:g} s sailed in {summary['wall_s']:.1f} s, "
         f"{summary['real_time_factor']:.0f} × real time; digest {digest}"
     )
     if not CAN_DRAW:
         console.print(r"the report has no pictures: pip install 'flotilla-usv\[view]' for them")
-    plain(f"results: {out}/report.html")
-    return summary
 
 
 def save(out: Path, summary: Summary, trace: Mapping[str, Array]) -> None:

@@ -76,13 +76,15 @@ def formation(name: str, trace: Mapping[str, Array], root: str = VIRTUAL_LEADER)
     return figure
 
 
-def errors(name: str, trace: Mapping[str, Array]) -> Figure:
+def errors(name: str, trace: Mapping[str, Array], end_s: float | None = None) -> Figure:
     """Distance of each boat from its slot over time, logarithmic, with the settling level.
 
     The axis begins at the decade of the smallest hundredth of the distances, between 10 µm and
-    1 mm: boats may start in their slots, and pass through them.
+    1 mm: boats may start in their slots, and pass through them. The last third before `end_s` is
+    marked, by default the run's.
     """
     t_s = trace["t_s"]
+    end_s = float(t_s[-1]) if end_s is None else end_s
     step = _step(t_s)
     distance = metrics.distances(trace["error"][::step])
     least_m = _least_decade(distance)
@@ -103,8 +105,8 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
         level = f"settled: {metrics.SETTLED_M} m"
         text = axes.text(0.01, metrics.SETTLED_M * 0.9, level, fontsize=9.5, va="top")
         text.set(transform=by_level, path_effects=[HALO])
-        third = t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0
-        axes.axvspan(third, t_s[-1], color=FAINT, zorder=0)
+        third = t_s[0] + (end_s - t_s[0]) * 2.0 / 3.0
+        axes.axvspan(third, end_s, color=FAINT, zorder=0)
         by_time = axes.get_xaxis_transform()
         axes.text(third, 0.97, " last third: RMS, maximum", color=GREY, va="top", transform=by_time)
         axes.set_xlim(t_s[0], t_s[-1])

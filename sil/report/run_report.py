@@ -116,7 +116,8 @@ def _row(boat: BoatSummary, *, slots: bool) -> str:
     )
     if "closing_m" in boat:
         states += f"; closing, {boat['closing_m']:.1f} m"
-    cells = "".join(f"<td>{escape(cell)}</td>" for cell in [*_cells(boat, slots=slots), states])
+    cells = "".join(f"<td>{escape(cell)}</td>" for cell in _cells(boat, slots=slots))
+    cells += f'<td class="states">{escape(states)}</td>'
     return f'<tr style="--boat: {colour_of(boat["id"])}">{cells}</tr>\n'
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BaseModel, Field, ValidationError
 
 from sil.scenario.sections import Positive, Section
-from sil.scenario.toml_errors import Source, lay, leaves
+from sil.scenario.toml_errors import ScenarioError, Source, lay, leaves
 
 Shape = Literal["line", "column", "vee", "diamond", "circle", "grid"]
 Place = tuple[float, float]
@@ -72,9 +72,7 @@ def expand(source: Source) -> None:
     if "formation" not in document:
         return
     if ("boat",) in source.lines:
-        raise source.error(
-            ("boat",), '"boat": [formation] creates the boats; use [boat.2] to change one'
-        )
+        raise _listed_too(source)
     parts = {key: document[key] for key in ("formation", "leader", "boat") if key in document}
     if isinstance(parts.get("boat"), list):
         del parts["boat"]  # the base's boats, which those of the formation replace
@@ -98,6 +96,15 @@ def expand(source: Source) -> None:
                 at = ("boat", number, *path)
                 raise source.error(at, f'"{".".join(at)}": {error.args[0]}') from None
     document["boat"] = boats
+
+
+def _listed_too(source: Source) -> ScenarioError:
+    """The file has a list of boats as well."""
+    if any(path[0] == "formation" for path in source.lines):
+        why = '"boat": [formation] creates the boats; use [boat.2] to change one'
+        return source.error(("boat",), why)
+    why = "the file lists its boats in [[boat]]: change those, or choose a file with [formation]"
+    return source.error(("formation",), f'"formation": {why}')
 
 
 def _is_route(points: Any) -> bool:

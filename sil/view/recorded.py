@@ -2,15 +2,12 @@
 """The history of a run: the truth from its trace, and its boats' recorded messages."""
 
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from sil.lockstep import recording
+from sil.lockstep import recording, trace_file
 from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
@@ -32,17 +29,12 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
         name, digest = str(summary["scenario"]), summary["digest"]
         released = summary.get("release_unix_s")
         release_unix_s = None if released is None else float(released)
-        # numpy would leave a damaged file open
-        with (folder / "trace.npz").open("rb") as stream, np.load(stream) as arrays:
-            trace = {key: arrays[key] for key in ("t_s", "eta", "nu", "error", "thrust")}
-        if not trace["t_s"].size:
-            raise ValueError("its trace is empty")
+        trace = trace_file.read(folder)
     except OSError as error:
         lacking = f"{Path(error.filename or folder).name}: {error.strerror}"
         raise ValueError(f"{folder} is not the folder of a run: {lacking}") from None
-    except (EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        why = "trace.npz is damaged: sail the run again" if "allow_pickle" in str(error) else error
-        raise ValueError(f"{folder} is not the folder of a run: {why}") from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{folder} is not the folder of a run: {error}") from None
     try:
         sailed = scenario.load(name)
     except ValueError:

@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from flotilla import kernels
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from sil.lockstep.metrics import PlanEnd
 from sil.lockstep.recording import MAVLINK_IN, MAVLINK_OUT, Recording
 from sil.plant.hull import Array
 from sil.scenario.wiring import HEIGHT_M, WORLD
@@ -44,6 +46,7 @@ _SHOWN = (
 # States in which a boat is out of formation; greatest time by which the reason precedes them, s.
 _LOST, _BEFORE_S = ("COAST", "HOLD", "FAULT"), 6.0
 
+_UNKNOWN = 65535  # number of items of a vessel without a plan, in MISSION_CURRENT
 _OVER = "Voyage: over"  # begins the text with which a boat ends a voyage
 
 # The NAMED_VALUE_FLOATs that a history needs; nine tenths of all messages are NAMED_VALUE_FLOATs.
@@ -63,6 +66,7 @@ class SaidByBoat:
         self._numbers: dict[str, list[tuple[float, float]]] = {}
         self._seen = Plans(lambda number: number == system)
         self._plans, self._items = Changes(), Changes()
+        self._plan: PlanEnd | None = None
 
     def overhear(self, message: Any, t_s: float) -> None:
         """Process a message of the mission protocol, from or to it."""
@@ -71,6 +75,8 @@ class SaidByBoat:
         if self._seen.version != before:
             self._plans.note(t_s, dict(self._seen.of(self.system)))
         self._items.note(t_s, self._seen.item.get(self.system))
+        if message.number == messages.MISSION_CURRENT and message.fields:
+            self._note_plan(t_s, *message.fields[:3])
 
     def hear(self, message: Any, t_s: float) -> None:
         """Process one of its messages; `t_s`: time after the release."""
@@ -111,6 +117,10 @@ class SaidByBoat:
         texts = (text for _, text in self.texts.list if text and text.startswith(_OVER))
         return next(texts, "")
 
+    def plan_end(self) -> PlanEnd | None:
+        """How far it came in its plan; None if it had none."""
+        return self._plan
+
     def has_escs(self, port: int, stbd: int) -> None:
         """Set the indices of its propellers' ESCs, 0 and 1 by default."""
         self._vessel.aboard.indices = [port, stbd]
@@ -126,6 +136,15 @@ class SaidByBoat:
         plans = [[at_s, drawn(plan, _in_the_world)] for at_s, plan in self._plans.list]
         columns |= {"plans": plans, "items": self._items.list}
         return {**{name: each.list for name, each in changes.items()}, **columns}
+
+    def _note_plan(self, t_s: float, item: int, items: int, state: int) -> None:
+        if items in (0, _UNKNOWN):
+            self._plan = None
+            return
+        before_s = self._plan and self._plan["over_s"]
+        over = state == mavlink.MISSION_STATE_COMPLETE
+        over_s = (t_s if before_s is None else before_s) if over else None
+        self._plan = {"item": item + 1, "items": items, "over_s": over_s, "waiting_m": None}
 
     def _note(self, name: str, t_s: float, number: float | None) -> None:
         if number is not None or name in self._numbers:

@@ -80,6 +80,26 @@ def test_a_boat_that_measures_its_hull_is_judged_by_its_voyage_not_by_a_slot() -
     assert headline.of_run(told).level == "bad"
 
 
+def test_a_run_by_a_plan_is_good_only_once_the_plan_is_over() -> None:
+    told = summary(boat(1), boat(2))
+    told["plan"] = {"item": 4, "items": 6, "over_s": None, "waiting_m": None}
+    found = headline.of_run(told)
+    assert found.level == "fair"
+    assert found.text.endswith("; boat 1's plan was not over: still on item 4 of 6")
+    told["plan"] = {"item": 6, "items": 6, "over_s": 242.3, "waiting_m": 0.412}
+    found = headline.of_run(told)
+    assert found.level == "good"
+    over = "; boat 1's plan was over after 242 s, then all waited within 0.41 m"
+    assert found.text.endswith(over)
+
+
+def test_a_boat_that_settles_in_the_last_third_of_a_plan_settles_late() -> None:
+    told = summary(boat(1, settling_time_s=150.0))
+    assert "within 0.05 m of their slots from 150 s on" in headline.of_run(told).text
+    told["plan"] = {"item": 6, "items": 6, "over_s": 200.0, "waiting_m": 0.1}
+    assert "within 0.2 m of their slots; worst" in headline.of_run(told).text
+
+
 @pytest.mark.parametrize(
     ("least_m", "hull_m", "level"), [(1.18, 1.0, "good"), (1.18, 2.0, "bad"), (np.nan, 1.0, "bad")]
 )

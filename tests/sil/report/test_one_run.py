@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Sailing one scenario: what it leaves, also when it cannot start or is interrupted."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -96,3 +97,17 @@ def test_a_voyage_leaves_no_figures_of_a_formation(
     boat = history_of_run(tmp_path)["vessels"][1]
     assert "x_m" in boat and not {"slot_x_m", "error_m", "in_slot"} & boat.keys()
     assert "&quot;x_m&quot;:&quot;" in page and "&quot;error_m&quot;:&quot;" not in page
+
+
+def test_errors_of_a_leading_fleet_are_judged_until_its_plan_is_over(tmp_path: Path) -> None:
+    short = ["duration_s=60.0", "leader.waypoints=[[0, 0], [12, 0]]"]
+    named = [word for value in short for word in ("--set", value)]
+    assert main(["run", "lead", *named, "--out", str(tmp_path)]) == 0
+    told = json.loads((tmp_path / "summary.json").read_text())
+    plan = told["plan"]
+    assert (plan["item"], plan["items"]) == (2, 2) and 20.0 < plan["over_s"] < 50.0
+    with np.load(tmp_path / "trace.npz") as trace:
+        off_m, late = metrics.distances(trace["error"]), trace["t_s"] > plan["over_s"]
+    assert plan["waiting_m"] == off_m[late].max()
+    for boat, own in zip(told["boats"], off_m[~late].T, strict=True):
+        assert boat["max_error_m"] == own[2 * len(own) // 3 + 1 :].max()

@@ -129,6 +129,12 @@ def test_mistakes_are_reported_with_their_place(
     assert said in told
 
 
+def test_a_formation_given_to_a_file_that_lists_its_boats_is_refused_with_a_remedy() -> None:
+    remedy = r'"formation": the file lists its boats in \[\[boat\]\]: change those'
+    with pytest.raises(ScenarioError, match=remedy):
+        load("diamond", ["formation.boats=6"])
+
+
 def test_a_slot_that_a_corner_swings_out_too_fast_is_refused(tmp_path: Path) -> None:
     column = SQUARE.replace('"line"', '"column"').replace("spacing_m = 2.0", "spacing_m = 9.0")
     told = complaint(tmp_path, column, "leader.corner_radius_m=3")
