@@ -29,6 +29,7 @@ from tests.target.stations import (
     Station,
     command_long,
 )
+from tests.target.test_auto import SET_CURRENT, sailing
 from tests.target.test_setpoints import NED, local
 
 RADIO = 1
@@ -142,6 +143,34 @@ def test_a_retransmission_does_not_undo_another_operators_newer_order(sea: Sea, 
     tick = sea.order(SET_MODE, 1.0, float(LOITER), confirmation=1)
     assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "FORMATION"
     assert "Refused: a newer order came: ask again in 5 s" in texts([tick])
+    sea.run(5.0)
+    assert acks(sea.order(SET_MODE, 1.0, float(LOITER), confirmation=2)) == [(SET_MODE, ACCEPTED)]
+
+
+def test_a_retransmission_does_not_undo_another_operators_newer_item() -> None:
+    sea = sailing([at(30, 0), at(60, 0), at(90, 0)])
+    sea.order(SET_CURRENT, 1.0)  # its answer is lost
+    sea.say(command_long(SET_CURRENT, 2.0), sender=SECOND)
+    assert acks(sea.step()) == [(SET_CURRENT, ACCEPTED)]
+    tick = sea.order(SET_CURRENT, 1.0, confirmation=1)
+    assert acks(tick) == [(SET_CURRENT, TEMPORARILY_REJECTED)]
+    assert "Refused: a newer order came: ask again in 5 s" in texts([tick])
+    (current,) = sea.ask(mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
+    assert current.seq == 2
+
+
+def test_a_retransmission_does_not_take_the_boat_from_another_operators_setpoints() -> None:
+    sea = Afloat(hull=Hull())
+    sea.leader.on = False
+    sea.run(2.0)
+    sea.arm()
+    sea.mode(LOITER)  # its answer is lost
+    sea.say(command_long(SET_MODE, 1.0, float(GUIDED)), sender=SECOND)
+    for _ in range(60):
+        sea.say(local(NED, velocity_mps=(0.0, 0.5)), sender=SECOND)
+        sea.run(0.1)
+    tick = sea.order(SET_MODE, 1.0, float(LOITER), confirmation=1)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "GUIDED"
     sea.run(5.0)
     assert acks(sea.order(SET_MODE, 1.0, float(LOITER), confirmation=2)) == [(SET_MODE, ACCEPTED)]
 

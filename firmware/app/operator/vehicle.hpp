@@ -161,6 +161,7 @@ class Vehicle {
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_jump(DecodedCommand& asked);
   std::uint8_t answer_of_plan(DecodedCommand& asked, bool repeated);
+  void screen(const PendingRequest& pending, const Command& command, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
   std::uint8_t answer_of_fence(DecodedCommand& asked, bool repeated);

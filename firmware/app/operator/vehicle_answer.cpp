@@ -96,6 +96,7 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
     return;
   }
   orders_.set(asked.target, drive, now_us_);
+  recent_.note_order(pending.from, now_us_);
 }
 
 /// Reports a refusal as for setpoints.
@@ -204,6 +205,28 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked, bool repeated) {
   return mav::kAccepted;
 }
 
+/// Refuses a command whose sender may not command, or that others overtook, and an unfit target.
+void Vehicle::screen(const PendingRequest& pending, const Command& command, DecodedCommand& asked) {
+  const auto refuse = [&](std::uint8_t result, std::string_view why) {
+    asked = {result};
+    asked.why = why;
+  };
+  if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
+    refuse(mav::kDenied, {});
+  }
+  if (asked.request == Request::kFormation && setpoints_.come_from(pending.from, now_us_)) {
+    refuse(mav::kDenied, "mode 6 after setpoints is OFFBOARD");
+  }
+  std::string_view overtaken;
+  if (asked.request != Request::kNone) {
+    overtaken = recent_.judge(pending, asked.request, command.repeated, now_us_);
+  } else if (asked.orders()) {
+    overtaken = recent_.judge_order(pending.from, command.repeated, now_us_);
+  }
+  if (!overtaken.empty()) refuse(mav::kTemporarilyRejected, overtaken);
+  if (asked.target) judge_target(asked);
+}
+
 void Vehicle::execute(const PendingRequest& pending, const Command& command,
                       link::Counters& counters) {
   const std::size_t link = pending.link;
@@ -213,26 +236,11 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   const bool of_plan = asked.item || asked.paused || asked.target || asked.fence;
   const bool leave = drives(asked.request) || of_plan || unknown || at_rest;
   if (identity_.is_for_autopilot(command.target) && leave) return;
-  if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
-    asked = {mav::kDenied};
-  }
+  screen(pending, command, asked);
   if (asked.failure) asked.result = failures_.answer(*asked.failure);
-  if (asked.request == Request::kFormation && setpoints_.come_from(pending.from, now_us_)) {
-    asked = {mav::kDenied};
-    asked.why = "mode 6 after setpoints is OFFBOARD";
-  }
-  if (asked.request != Request::kNone) {
-    const auto why = recent_.judge(pending, asked.request, command.repeated, now_us_);
-    if (!why.empty()) asked = {mav::kTemporarilyRejected};
-    asked.why = why.empty() ? asked.why : why;
-  }
-  if (asked.target) judge_target(asked);
   Supervisor::Decision decision{true, false, 0};
   if (asked.request == Request::kArm) warn_of_signing(counters);
   if (asked.request != Request::kNone) decision = ask(asked);
-  if (decision.granted && core::RequestKind::kArms < core::kind_of(asked.request)) {
-    recent_.note_order(pending.from, now_us_);
-  }
   if (asked.rate && !sender_.streams().set(link, asked.rate->id, asked.rate->interval_us,
                                            links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
@@ -256,6 +264,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = answer_of(link, *asked.message);
     if (asked.result != mav::kAccepted) asked.message.reset();
   }
+  if (asked.orders() && asked.result == mav::kAccepted) recent_.note_order(pending.from, now_us_);
   acknowledge(pending, command, asked.result, counters);
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;

@@ -81,6 +81,12 @@ struct DecodedCommand {
 
   /// Whether the command only reads: every sender may send such a command.
   bool reads_only() const { return message.has_value(); }
+
+  /// Whether it orders the boat to drive, or where to.
+  bool orders() const {
+    return core::RequestKind::kArms < core::kind_of(request) || target || item ||
+           (paused && !*paused);
+  }
 };
 DecodedCommand meaning_of(const Command& command);
 

@@ -14,8 +14,8 @@ namespace flotilla::app {
 /// request had not yet seen the boat disarmed. A late retransmission undoes no newer stop: for 5 s
 /// after a stop, a request to drive is refused on links that did not carry the stop (or the stops of
 /// two operators), and a repeated one from another operator. Nor does it undo a newer order: for 5 s
-/// after one, another operator's repeated request to drive is refused. The microcontroller's image
-/// has no room for these 5 s.
+/// after one, another operator's repeated order is refused. An order is a request to drive, a target,
+/// a setpoint, or an item of the plan. The microcontroller's image has no room for these 5 s.
 class RecentOrders {
  public:
   /// Records a stop by the pilot's switch. It counts as received on all links; within 5 s of an
@@ -24,7 +24,7 @@ class RecentOrders {
     stop_ = {now_us, {}, is_recent(stop_.us, now_us) ? stop_.links : std::uint8_t{0xFF}, false};
   }
 
-  /// Records a granted order to drive; from {}: by a pilot.
+  /// Records an order that was accepted; from {}: a pilot's.
   void note_order(link::Address from, std::int64_t now_us) { order_ = {now_us, from}; }
 
   /// Judges a request that asks for a state, and records it if it is a stop. Why it must be refused;
@@ -46,10 +46,13 @@ class RecentOrders {
     if (after_disarm || (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
       return "boat was just stopped: ask again in 5 s";
     }
-    const bool newer = is_recent(order_.us, now_us) && pending.from != order_.by;
-    const bool drives = RequestKind::kArms < kind;
-    return newer && drives && repeated ? "a newer order came: ask again in 5 s"
-                                       : std::string_view();
+    return RequestKind::kArms < kind ? judge_order(pending.from, repeated, now_us) : "";
+  }
+
+  /// The same for an order, whether or not it asks for a state.
+  std::string_view judge_order(link::Address from, bool repeated, std::int64_t now_us) const {
+    const bool newer = is_recent(order_.us, now_us) && from != order_.by;
+    return newer && repeated ? "a newer order came: ask again in 5 s" : "";
   }
 
  private:
