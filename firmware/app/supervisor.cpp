@@ -94,14 +94,16 @@ Supervisor::Decision Supervisor::request_test(const MotorTest& test, std::int64_
 
 bool Supervisor::is_repeated(const MotorTest& test, bool repeated, std::int64_t now_us) const {
   if (test_ != test) return false;
-  return state_ == State::kTest || (repeated && now_us - test_end_us_ < kRepeated_us);
+  const bool over = state_ == State::kHold && now_us - test_end_us_ < kRepeated_us;
+  return state_ == State::kTest || (repeated && over);
 }
 
 void Supervisor::take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us,
                              bool wins) {
   const bool fresh = sticks_fresh(now_us), manual = state_ == State::kManual;
   const bool others = sticks_from_ != from;
-  if (fresh ? others && !wins : manual) return;
+  const bool held = fresh && others && !wins, lost = !fresh && manual;
+  if (held || lost) return;
   centred_ = (manual && centred_ && !others) || at_neutral(sticks);
   sticks_ = sticks;
   sticks_from_ = from;

@@ -68,12 +68,13 @@ class Supervisor {
   [[nodiscard]] Decision request(core::Request request, std::int64_t now_us);
   [[nodiscard]] Decision request_test(const MotorTest& test, std::int64_t now_us);
 
-  /// Whether this test is running or, if the request is a retransmission, ended less than 2 s ago:
-  /// it is then neither prolonged nor run again.
+  /// Whether this test is running or, if the request is a retransmission, ended in HOLD less than
+  /// 2 s ago: it is then neither prolonged nor run again.
   bool is_repeated(const MotorTest& test, bool repeated, std::int64_t now_us) const;
 
   /// Takes stick positions; ignores them while another operator holds the sticks, unless `wins`. An
-  /// operator holds them until silent for 0.5 s, and in MANUAL until the state has changed to HOLD.
+  /// operator holds them until silent for 0.5 s, and in MANUAL until the state has changed to HOLD:
+  /// in MANUAL, sticks that were silent for 0.5 s are not taken again, whoever sends them.
   void take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us,
                    bool wins = false);
 

@@ -80,6 +80,11 @@ constexpr RequestKind kind_of(Request request) {
   return RequestKind::kDrives;
 }
 
+/// Whether a request lets the propellers turn at once.
+constexpr bool turns_propellers(RequestKind kind) {
+  return kind == RequestKind::kByHand || kind == RequestKind::kDrives;
+}
+
 /// Reactions to a loss, the most careful first.
 enum class Reaction : std::uint8_t {
   kHold,

@@ -17,14 +17,14 @@ struct Counters {
   std::uint32_t mavlink_no_heading = 0;     ///< position without an ATTITUDE of about the same time
   std::uint32_t reference_refused = 0;      ///< FORMATION_REFERENCE: too old, a jump, impossible
   std::uint32_t mavlink_unknown = 0;        ///< whole frames of messages not in our dialect
-  std::uint32_t mavlink_not_sent = 0;       ///< message dropped: this tick's buffer was full
-  std::uint32_t requests_dropped = 0;       ///< requests beyond the inbox's capacity in one tick
+  std::uint32_t mavlink_not_sent = 0;       ///< messages dropped: no room in the tick, or no credit
+  std::uint32_t requests_dropped = 0;       ///< beyond the inbox's capacity, or void by a stop
   std::uint32_t can_received = 0;           ///< whole transfers
   std::uint32_t can_bad_frame = 0;          ///< no tail byte, wrong order, lost frame, invalid id
   std::uint32_t can_bad_checksum = 0;       ///< multi-frame transfer whose CRC is wrong
   std::uint32_t can_bad_value = 0;          ///< transfer too short for its type
   std::uint32_t can_not_sent = 0;           ///< transfer dropped: this tick's buffer was full
-  std::uint32_t clock_went_back = 0;        ///< calls with a time earlier than the previous call's
+  std::uint32_t clock_went_back = 0;        ///< calls with a time before the boat's clock
 
   std::uint32_t mavlink_signed = 0;            ///< messages whose signature is good
   std::uint32_t mavlink_forged = 0;            ///< signed with another key, or changed on the way

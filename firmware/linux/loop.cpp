@@ -274,7 +274,7 @@ void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
   boat_->on_host({.bus_up = bus_->usable(),
-                  .unsaved = why_not_to_arm(),
+                  .why_not_to_arm = why_not_to_arm(),
                   .overruns = statistics_.overruns,
                   .unix_us = clock_us(CLOCK_REALTIME),
                   .save_failed = parameters_.save_failed(),

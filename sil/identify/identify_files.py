@@ -89,7 +89,7 @@ def document(found: Identification, boat: Boat, fit: Fit | None) -> dict[str, An
             term.name: {
                 "value": float(found.fit.values[k]),
                 "interval": list(found.intervals.of(draws[:, k])),
-                "determined": bool(found.intervals.told[k]),
+                "determined": bool(found.intervals.determined[k]),
             }
             for k, term in enumerate(TERMS)
         },

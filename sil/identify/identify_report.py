@@ -98,7 +98,7 @@ def remarks(found: Identification) -> list[str]:
     told = [] if found.wiring.right or found.wiring.swapped else [found.wiring.sentence()]
     k = INDEX["compass"]
     off = np.degrees(found.fit.values[k : k + 3])
-    if np.abs(off).max() > 2.0 and np.any(found.intervals.told[k : k + 3]):
+    if np.abs(off).max() > 2.0 and np.any(found.intervals.determined[k : k + 3]):
         told.append(
             f"the compass deviates: {off[0]:+.1f}° {off[1]:+.1f}° sin ψ {off[2]:+.1f}° cos ψ"
         )
@@ -107,7 +107,9 @@ def remarks(found: Identification) -> list[str]:
 
 def lacking(found: Identification) -> list[str]:
     """Terms that the logs do not determine, and the manoeuvre that would."""
-    missing = {t.name for t, told in zip(TERMS, found.intervals.told, strict=True) if not told}
+    missing = {
+        t.name for t, told in zip(TERMS, found.intervals.determined, strict=True) if not told
+    }
     if not missing:
         return ["Every number is determined by these logs."]
     lines = ["Not determined by these logs, and the manoeuvre that would:"]
@@ -168,7 +170,7 @@ def _terms(found: Identification) -> Table:
     table = _table("The terms, over the inertia in surge", "", "95 %", "")
     for k, term in enumerate(TERMS):
         low, high = found.intervals.of(found.intervals.draws[:, k])
-        untold = "" if found.intervals.told[k] else "not determined"
+        untold = "" if found.intervals.determined[k] else "not determined"
         table.add_row(term.meaning, f"{found.fit.values[k]:.3g}", f"{low:.3g} … {high:.3g}", untold)
     return table
 

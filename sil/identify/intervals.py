@@ -19,10 +19,10 @@ _SURE = 0.95
 
 @dataclass(frozen=True)
 class Intervals:
-    """draws (DRAWS, K): sets of terms that fit as well; told (K): the logs determine the term."""
+    """draws (DRAWS, K): sets of terms that fit as well; determined (K): by the logs."""
 
     draws: Array
-    told: Bools
+    determined: Bools
 
     def of(self, values: Array) -> tuple[float, float]:
         """The 95 % interval of a figure that was computed for each draw."""
@@ -56,6 +56,6 @@ def intervals(problem: Problem, fit: Fit, seed: int = 1) -> Intervals:
         low = np.array([(t.least - t.guess) / t.spread for t in terms])
         high = np.array([(t.greatest - t.guess) / t.spread for t in terms])
         draw[problem.free] = guess + spread * np.clip(z, low, high)
-    told = np.zeros(len(fit.values), dtype=bool)
-    told[problem.free] = np.sqrt(np.diag(inverse)) < _UNTOLD
-    return Intervals(draws, told)
+    determined = np.zeros(len(fit.values), dtype=bool)
+    determined[problem.free] = np.sqrt(np.diag(inverse)) < _UNTOLD
+    return Intervals(draws, determined)

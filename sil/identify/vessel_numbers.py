@@ -109,7 +109,7 @@ def parameters(found: Identification, boat: Boat) -> dict[str, float]:
     own["THR_BALANCE"] = hull.propellers.stbd_gain - 1.0
     # Latencies are relative to the heading's, so they do not determine NAV_LAG_S.
     for name, k in (("NAV_OFS_X", INDEX["antenna_x"]), ("NAV_OFS_Y", INDEX["antenna_y"])):
-        if found.intervals.told[k]:
+        if found.intervals.determined[k]:
             own[name] = found.fit.values[k]
     if found.wiring.port_inverted:
         own["THR_PORT_DIR"] = -1.0

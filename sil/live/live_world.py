@@ -213,7 +213,7 @@ class LiveWorld:
         ]
         if self._plan is not None and self._plan.fault:
             words.append(f"the plan: {self._plan.fault}")
-        raise StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")
+        raise StartError(f"not in the wanted mode after {_PATIENCE_S:g} s: {'; '.join(words)}")
 
     def _send_plan(self, t_us: int) -> None:
         """The operator's messages about the plan, which listeners of the radio hear too."""

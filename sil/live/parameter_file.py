@@ -24,6 +24,5 @@ def set_up(state_dir: Path, values: Mapping[str, float]) -> None:
     saved = {
         each["name"]: values.get(each["name"], each["default"])
         for each in flotilla.parameter_list()
-        if each["change"] != "mode"
     }
     file.write_text(parameter_text(saved), encoding="utf-8")

@@ -41,7 +41,7 @@ class BoatSummary(TypedDict):
 
 
 class PlanEnd(TypedDict):
-    """How far a boat came in its plan."""
+    """How far a boat got in its plan."""
 
     item: int  # it sails to this one of `items`, the first is 1
     items: int

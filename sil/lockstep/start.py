@@ -18,7 +18,7 @@ from sil.wire.plan_upload import PlanUpload
 _WARM_UP_S = 2
 _PATIENCE_S = 30
 _RETRY_S = 1
-_PATIENT_S = 10  # after this time, boats that form up before others are put into HOLD again
+_RECALL_AFTER_S = 10  # after this time, boats that form up before others are put into HOLD again
 _TOGETHER_S = 0.3  # any longer, and a boat would find that it does not respond to its thrust
 _FORGETS_S = 3  # after this time, a boat has forgotten that it did not respond
 _RADIO = 1  # link of a boat
@@ -56,11 +56,11 @@ def start(batch: Batch) -> list[int | StartError]:
                 for run in pending:
                     _ask(batch, run, plans, t_us, t_us >= min(again_us[run], last_us))
             elif (
-                1e6 * _PATIENT_S <= t_us < last_us
+                1e6 * _RECALL_AFTER_S <= t_us < last_us
                 and 0 <= since_us - round(1e6 * _TOGETHER_S) < batch.h_us
             ):
                 for run in pending:
-                    if _call_back(batch, run, plans, t_us):
+                    if _recall(batch, run, plans, t_us):
                         again_us[run] = t_us + round(1e6 * _FORGETS_S)
         batch.tick(t_us)
         plans.listen(t_us)
@@ -117,7 +117,7 @@ def _ask(batch: Batch, run: int, plans: _Plans, t_us: int, modes: bool) -> None:
             batch.fleet.command([agent], t_us, *request)
 
 
-def _call_back(batch: Batch, run: int, plans: _Plans, t_us: int) -> bool:
+def _recall(batch: Batch, run: int, plans: _Plans, t_us: int) -> bool:
     """Put boats that formed up before the others into HOLD; False if there were none.
 
     Otherwise they would push against the force that holds the hulls.
@@ -146,4 +146,4 @@ def _refusal(batch: Batch, run: int, operators: dict[int, Operator], plans: _Pla
             words.append(f"boat {boat + 1}: {text}")
     if run in plans.uploads and plans.uploads[run].fault:
         words.append(f"the plan: {plans.uploads[run].fault}")
-    return StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")
+    return StartError(f"not in the wanted mode after {_PATIENCE_S:g} s: {'; '.join(words)}")

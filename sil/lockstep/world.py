@@ -102,7 +102,7 @@ def sail(
             results[i] = StartError(str(error))
         else:
             alike.setdefault(_shape(scenario), []).append(i)
-    order = _Order(param_overrides, record, record is not None or digest, keep_s, progress, watch)
+    order = _Options(param_overrides, record, record is not None or digest, keep_s, progress, watch)
     for members in alike.values():
         order.sail(members, scenarios, results)
     return [results[i] for i in range(len(scenarios))]
@@ -126,7 +126,7 @@ def _shape(scenario: Scenario) -> Hashable:
 
 
 @dataclass(frozen=True)
-class _Order:
+class _Options:
     """The options of `sail`."""
 
     param_overrides: dict[str, float]

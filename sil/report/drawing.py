@@ -26,7 +26,7 @@ def draw(
 ) -> Pictures:
     """The PNGs of a run: "formation", "errors" and "thrust"; arguments as `sil.report.plots`.
 
-    Returns None without matplotlib, which only the extra [view] installs.
+    Returns no pictures without matplotlib, which only the extra [view] installs.
     """
     if not CAN_DRAW:
         return {}

@@ -79,7 +79,7 @@ def formation(name: str, trace: Mapping[str, Array], root: str = VIRTUAL_LEADER)
 def errors(name: str, trace: Mapping[str, Array], end_s: float | None = None) -> Figure:
     """Distance of each boat from its slot over time, logarithmic, with the settling level.
 
-    The axis begins at the decade of the smallest hundredth of the distances, between 10 µm and
+    The axis begins at the decade of the first percentile of the distances, between 10 µm and
     1 mm: boats may start in their slots, and pass through them. The last third before `end_s` is
     marked, by default the run's.
     """

@@ -172,7 +172,8 @@ class Navigation(Unit):
 class Link(Section):
     """Radio between boats; `rate_Bps` 0 is unlimited.
 
-    `everyone`: every boat hears all others, not only its leader and followers.
+    `everyone`: every boat hears all others, not only its leader and followers. Boats that do not
+    hear each other keep no distance from each other (`FS_SEP_M`).
     """
 
     delay_s: NotNegative = 0.0

@@ -41,7 +41,7 @@ TEST_CASE_TEMPLATE(
     "a boat whose parameters fell back to defaults cannot be armed before they are saved", S, float,
     double) {
   Harbour<S> h;
-  h.boat.on_host({.unsaved = kParametersUnsaved});
+  h.boat.on_host({.why_not_to_arm = kParametersUnsaved});
   h.step();
   CHECK(h.says("parameters are default or old: check and save them"));
   h.sail(2);
@@ -63,7 +63,7 @@ TEST_CASE_TEMPLATE("a boat that lost its fence cannot be armed before the fence 
                    S, float, double) {
   Harbour<S> h;
   const auto report = [&] {
-    h.boat.on_host({.unsaved = h.boat.fence_is_lost() ? kFenceLost : ""});
+    h.boat.on_host({.why_not_to_arm = h.boat.fence_is_lost() ? kFenceLost : ""});
     h.step();
   };
   h.boat.lose_fence();

@@ -35,7 +35,7 @@ def test_slot_inside_a_turn_stops_its_boat_and_no_other_comes_near(sail: Sail) -
     ],
 )
 def test_impossible_fleet_is_not_sailed(sail: Sail, how: str, why: str) -> None:
-    with pytest.raises(Exception, match="not in FORMATION after 30 s") as told:
+    with pytest.raises(Exception, match="not in the wanted mode after 30 s") as told:
         sail("diamond", *PRODUCT, how)
     assert why in str(told.value)
 

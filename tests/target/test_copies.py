@@ -16,6 +16,7 @@ from tests.target.sea import Sea, Tick, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,
+    AUTO,
     BOAT,
     FORMATION,
     GCS,
@@ -23,6 +24,7 @@ from tests.target.stations import (
     GUIDED,
     HOLD,
     LOITER,
+    PAUSE,
     REQUEST_MESSAGE,
     SET_MODE,
     TEMPORARILY_REJECTED,
@@ -128,10 +130,66 @@ def test_after_too_many_requests_another_link_is_believed_five_seconds_later(sea
         sea.run(0.1)
     tick = sea.order(SET_MODE, 1.0, float(LOITER), link=RADIO)
     assert not acks(tick, RADIO) and sea.state == "FORMATION"
-    assert "Refused: too many, and on another link: wait 5 s" in texts([tick])
+    assert "Refused: too many requests: ask again in 5 s" in texts([tick])
     sea.run(5.0)
     tick = sea.order(SET_MODE, 1.0, float(LOITER), link=RADIO)
     assert acks(tick, RADIO) == [(SET_MODE, ACCEPTED)] and sea.state == "LOITER"
+
+
+@pytest.mark.parametrize("newer", [HOLD, LOITER])
+def test_a_second_copy_on_the_same_link_does_not_undo_a_newer_request(sea: Sea, newer: int) -> None:
+    sea.mode(HOLD)
+    wire = say(sea, command_long(SET_MODE, 1.0, float(FORMATION)))
+    sea.step()
+    sea.run(1.0)
+    sea.mode(newer)
+    sea.run(1.0)
+    sea.boat.on_mavlink(wire, sea.now_us, 0)
+    ticks = sea.run(1.0)
+    assert sea.state == ("HOLD" if newer == HOLD else "LOITER")
+    assert "Refused: copy of an older request, or ask again" in texts(ticks)
+
+
+def test_a_second_copy_on_the_same_link_does_not_arm_again() -> None:
+    sea = Sea()
+    sea.settle()
+    wire = say(sea, command_long(ARM, 1.0))
+    sea.step()
+    assert sea.state == "HOLD"
+    sea.disarm()
+    sea.boat.on_mavlink(wire, sea.now_us, 0)
+    sea.step()
+    assert sea.state == "DISARMED"
+
+
+def test_a_script_that_starts_again_may_send_what_it_sent_last(sea: Sea) -> None:
+    sea.run(5.0)
+    for _ in range(2):
+        script = Station(GCS, GCS_COMPONENT)
+        sea.boat.on_mavlink(script.pack(command_long(ARM, 1.0)), sea.now_us, 0)
+        assert acks(sea.step()) == [(ARM, ACCEPTED)]
+
+
+@pytest.mark.parametrize("newer", [LOITER, PAUSE])
+def test_a_late_first_copy_on_another_link_does_not_undo_the_same_operators_order(
+    newer: int,
+) -> None:
+    sea = Afloat(hull=Hull(), links=2)
+    sea.leader.on = False
+    sea.run(2.0)
+    assert Planner(sea).send([at(40, 0)]) == ITEM_ACCEPTED
+    sea.arm()
+    sea.mode(AUTO)
+    sea.run(6.0)
+    lost = sea.gcs.pack(
+        command_long(PAUSE, 1.0) if newer == PAUSE else command_long(SET_MODE, 1.0, float(AUTO))
+    )
+    sea.order(PAUSE, 0.0) if newer == PAUSE else sea.mode(LOITER)
+    sea.run(2.0)
+    sea.boat.on_mavlink(lost, sea.now_us, RADIO)
+    tick = sea.step()
+    assert [result for _, result in acks(tick, RADIO)] == [TEMPORARILY_REJECTED]
+    assert "Refused: a newer order came: ask again in 5 s" in texts([tick])
 
 
 @pytest.mark.parametrize("link", [0, RADIO])
@@ -266,6 +324,7 @@ def test_a_stop_is_obeyed_however_often_it_comes(sea: Sea) -> None:
 def test_equal_numbers_on_two_links_make_no_copies_of_different_requests(sea: Sea) -> None:
     """A ground station that numbers the messages of each link apart."""
     stations = [Station(GCS, GCS_COMPONENT) for _ in range(2)]
+    sea.run(5.0)  # since the last order on the other link
     sea.say(command_long(REQUEST_MESSAGE, 148.0), sender=stations[0], link=0)
     sea.run(1.0)
     sea.say(command_long(SET_MODE, 1.0, float(LOITER)), sender=stations[1], link=RADIO)

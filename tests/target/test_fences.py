@@ -47,7 +47,8 @@ from tests.target.plans import (
     send,
 )
 from tests.target.sea import Sea, named, texts
-from tests.target.stations import BOAT, Station
+from tests.target.stations import AUTO, BOAT, Station
+from tests.target.test_auto import at_sea
 from tests.target.test_long_texts import words
 
 FENCED = [*box(0, 0, 100), circle(40, 40, 5, CIRCLE_OUT), circle(0, 0, 150)]
@@ -349,6 +350,24 @@ def test_a_rally_point_where_no_boat_may_be_is_refused(
     assert plan_of(still, RALLY) == as_sent(POINTS)
 
 
+def test_a_plan_that_makes_a_place_outside_the_fence_home_is_refused(still: Sea) -> None:
+    assert send(still, FENCE, box(0, 0, 60)) == ITEM_ACCEPTED
+    outside = at(100, 0)._replace(command=mavlink.MAV_CMD_DO_SET_HOME, params=(0.0, 0, 0, 0))
+    assert send(still, PLAN, [at(8, 0), outside, at(12, 0)]) == mavlink.MAV_MISSION_INVALID
+    assert send(still, PLAN, [at(8, 0), outside._replace(params=(1.0, 0, 0, 0))]) == ITEM_ACCEPTED
+
+
+def test_a_fence_that_leaves_the_plans_home_outside_bars_auto() -> None:
+    home = at(100, 0)._replace(command=mavlink.MAV_CMD_DO_SET_HOME, params=(0.0, 0, 0, 0))
+    sea = at_sea([at(8, 0), home, at(12, 0)])
+    sea.disarm()
+    assert send(sea, FENCE, box(0, 0, 60)) == ITEM_ACCEPTED
+    sea.arm()
+    sea.run(1.0)
+    sea.mode(AUTO)
+    assert sea.state == "HOLD"
+
+
 @pytest.mark.parametrize("frame", [0, 3, 5, 6, 11])
 def test_rally_points_come_in_every_global_frame(still: Sea, frame: int) -> None:
     items = [point._replace(frame=frame) for point in POINTS]
@@ -366,6 +385,6 @@ def test_fences_and_rally_points_are_not_changed_while_the_law_drives(kind: int)
         sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, what))
         (ack,) = sea.step().named("MISSION_ACK")
         assert ack.type == REFUSED
-    assert f"{NAME[kind]} refused at item 0: HOLD first, or not MAV_GCS_SYSID" in words(sea.ticks)
+    assert f"{NAME[kind]} refused at item 0: needs HOLD and MAV_GCS_SYSID" in words(sea.ticks)
     assert sea.state == "FORMATION" and plan_of(sea, kind) == as_sent(KEPT[kind])
     assert send(sea, PLAN, [at(5, 5)]) == ITEM_ACCEPTED, "a plan is, as it is not sailed"

@@ -77,6 +77,46 @@ def guided(north_m: float = 10.0, east_m: float = 0.0, speed_mps: float = math.n
     return sea
 
 
+class Failing(Afloat):
+    """A boat whose propellers can fail: the shares that they obey."""
+
+    shares = (1, 1)
+
+    def obeyed(self, commands: tuple[int, ...]) -> tuple[int, ...]:
+        return tuple(share * each for share, each in zip(self.shares, commands, strict=True))
+
+
+@pytest.mark.parametrize("every_s", [0.1, 0.5])
+@pytest.mark.parametrize(("shares", "push_N"), [((0, 0), 0.0), ((0, 1), 0.0), ((1, 1), -45.0)])
+def test_places_that_come_often_do_not_switch_off_the_watch_on_the_boats_response(
+    every_s: float, shares: tuple[int, int], push_N: float
+) -> None:
+    sea = at_sea([], kind=Failing)
+    assert isinstance(sea, Failing)
+    sea.mode(GUIDED)
+    sea.run(10.0)
+    for k in range(round(40.0 / every_s)):
+        if k * every_s >= 20.0:
+            sea.shares, sea.hull.push = shares, (push_N, 0.0)
+        reposition(sea, at(40 + 0.5 * (k % 2), 0), flags=0.0)
+        sea.run(every_s)
+        if sea.state != "GUIDED":
+            break
+    assert 20.0 <= k * every_s < 30.0 and sea.state == "HOLD" and not any(sea.commands)
+    assert "HOLD: boat does not respond to thrust" in " ".join(texts(sea.ticks))
+
+
+def test_a_boat_follows_a_place_that_moves_and_stops_with_it() -> None:
+    sea = at_sea([])
+    sea.mode(GUIDED)
+    for k in range(300):
+        reposition(sea, at(5 + 0.03 * k, 0), flags=0.0)
+        sea.run(0.1)
+    assert sea.state == "GUIDED" and sea.hull.seen.u == pytest.approx(0.3, abs=0.2)
+    sea.run(30.0)
+    assert place(sea) == pytest.approx((5 + 0.03 * 299, 0), abs=0.05)
+
+
 def test_a_boat_sails_to_its_target_and_waits_there() -> None:
     sea = guided(10.0, 5.0)
     sea.run(60.0)

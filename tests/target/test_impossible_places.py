@@ -67,7 +67,7 @@ def assert_refused(sea: Sea, why: str) -> None:
 
 
 RING = "leaders form a cycle"
-TAKEN = "slot is taken, or moves astern in turns"
+TAKEN = "slot is taken, or astern while turning"
 
 
 def test_leader_that_follows_this_boat_is_not_followed() -> None:

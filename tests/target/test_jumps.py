@@ -184,7 +184,7 @@ def test_a_leader_that_jumps_and_stays_there_is_followed_after_a_new_request(far
     sea.mode(FORMATION)
     assert sea.state == ("FORMATION" if far_m < 100.0 else "HOLD")
     if far_m > 100.0:
-        assert "Refused: leader is further than FORM_DIST_MAX" in texts(sea.ticks)
+        assert "Refused: leader is beyond FORM_DIST_MAX" in texts(sea.ticks)
     sea.run(2.0)  # the jump itself no longer counts
     assert sea.state == ("FORMATION" if far_m < 100.0 else "HOLD")
 
@@ -229,5 +229,5 @@ def test_a_leader_that_sails_away_is_lost() -> None:
     sea = Sea({"FORM_DIST_MAX": 20.0}, own=Course(), leader=Course(18.0, 0.0, 0.0, 1.0))
     sea.enter_formation()
     sea.run_until("COAST", 4.0)
-    assert "leader is further than FORM_DIST_MAX" in " ".join(texts(sea.ticks))
+    assert "leader is beyond FORM_DIST_MAX" in " ".join(texts(sea.ticks))
     sea.run_until("HOLD", 6.0)

@@ -17,7 +17,7 @@ from tests.target.sea import Sea, texts
 from tests.target.stations import FORMATION, MANUAL
 
 UNKNOWN = {"NAV_LAG_S": -1.0, "FORM_LAG_S": -1.0}
-NAV_UNKNOWN = "own latency unknown: set NAV_LAG_S"
+NAV_UNKNOWN = "navigation lag unknown: set NAV_LAG_S"
 LEADER_UNKNOWN = "leader latency unknown: set FORM_LAG_S"
 
 

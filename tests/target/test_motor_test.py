@@ -231,6 +231,13 @@ def test_a_motor_test_requested_during_another_is_rejected_and_does_not_extend_i
     assert max(of(PORT, t) for t in ticks) > 0 and min(of(PORT, t) for t in ticks) == 0
 
 
+def test_a_repeated_order_is_refused_once_the_boat_is_disarmed(sea: Sea) -> None:
+    enter_test(sea, PORT, PERCENT, 10.0, 5.0)
+    sea.disarm()
+    tick = sea.order(MOTOR_TEST, PORT, PERCENT, 10.0, 5.0, confirmation=1)
+    assert acks(tick) == [(MOTOR_TEST, TEMPORARILY_REJECTED)] and sea.state == "DISARMED"
+
+
 def test_a_late_repetition_of_an_order_does_not_begin_a_second_test(sea: Sea) -> None:
     """The ACK was lost and the test is short: 0.5 s later it is already over."""
     enter_test(sea, PORT, PERCENT, 10.0, 0.3)

@@ -271,7 +271,7 @@ def test_a_babbling_node_stops_a_boat_at_most_until_it_is_silent(boat: Boat) -> 
         ],
         "HOLD": [
             "HOLD: no recent navigation data",
-            "HOLD: own latency unknown: set NAV_LAG_S",
+            "HOLD: navigation lag unknown: set NAV_LAG_S",
             "HOLD: FS_COAST_S elapsed, or position lost",
         ],
         "FAULT": ["FAULT: an ESC is offline or reports a fault"],

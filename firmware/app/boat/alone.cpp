@@ -11,16 +11,19 @@ namespace flotilla::app {
 namespace {
 
 constexpr bool kSailsVoyages = FLOTILLA_SAILS_VOYAGES != 0;
+// The microcontroller's image has no room for it: there each target begins from rest.
+constexpr bool kChangesTargets = FLOTILLA_KEEPS_FLEET != 0;
 
 }  // namespace
 
 template <class S>
 void Alone<S>::start(const Now& now) {
   driven_ = false;
+  guidance_.start_alone();
   if (now.state == core::State::kAuto) {
     start_plan(now.now_us);
   } else {
-    start_errand(now);
+    start_errand(now, true);
   }
 }
 
@@ -56,18 +59,20 @@ void Alone<S>::start_plan(std::int64_t now_us) {
   warnings_.forget_waiting();
 }
 
+/// anew: the state begins; otherwise the vessel that the boat follows sails on.
 template <class S>
-void Alone<S>::start_errand(const Now& now) {
+void Alone<S>::start_errand(const Now& now, bool anew) {
   voyage_.interrupt();
   const std::optional<Target> asked = vehicle_.orders().take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
-  const Target here =
-      at_fence ? Target{convert::global_of(guidance_.place())} : guidance_.stop_ahead();
+  const Target here = at_fence ? Target{convert::global_of(guidance_.place())}
+                               : guidance_.stop_ahead(kChangesTargets && !anew);
   lost_s_ = 0;
   asked_ = now.state == core::State::kGuided ? asked : std::nullopt;
   if (now.state == core::State::kReturn) return sail_back(here);
   errands_.sail_to(asked_.value_or(here));
-  sail_errand();
+  if (anew || !kChangesTargets) return sail_errand();
+  guidance_.change_plan(errand(), configuration().plan);
 }
 
 template <class S>
@@ -94,11 +99,11 @@ void Alone<S>::sail_round(const Target& target, const Target& meanwhile) {
 
 template <class S>
 void Alone<S>::sail_errand() {
-  guidance_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
+  guidance_.start_plan(errand(), configuration().plan);
 }
 
 /// Continues the search for a way round the forbidden zones; begins it again when the fence has
-/// changed and, in RTL or with a target, every 10 s. Checks the present leg once a second, because
+/// changed and, in RTL or with a target, after 10 s without a way. Checks the present leg once a second, because
 /// the boat may be pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
@@ -162,7 +167,7 @@ void Alone<S>::tell_way() {
   if (!news.empty()) lost_s_ = lost ? 1 : 0;
 }
 
-/// On the way to the target. 0: WP_SPEED
+/// Changes the speed at which the boat sails to its target; 0: WP_SPEED.
 template <class S>
 void Alone<S>::change_speed(float speed_mps) {
   const PlanDefaults& plan = configuration().plan;
@@ -181,7 +186,7 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
     asked_ = vehicle_.orders().take_target();
     change_speed(asked_->speed_mps);
   }
-  if (target || (driven_ && !drive)) start_errand(now);
+  if (target || (driven_ && !drive)) start_errand(now, false);
   driven_ = drive.has_value();
   if (!drive) keep_fence(now);
   const bool paused = vehicle_.orders().is_paused();
@@ -191,7 +196,7 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
 
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
-  if (vehicle_.missions().take_jump()) start_plan(now.now_us);
+  if (vehicle_.missions().take_item_set()) start_plan(now.now_us);
   const core::ControllerOutput<S> out = sail_items(now, dt);
   PlanVessel<S>& sailed = guidance_.plan_vessel();
   auto reached = sailed.reached();
@@ -251,7 +256,10 @@ core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
     vehicle_.texts().send(lost ? link::mav::kSeverityError : link::mav::kSeverityInfo,
                           {sentence_of(*news).text()}, counters_);
   }
-  if (voyage_.is_over()) start_plan(now.now_us);
+  if (voyage_.is_over()) {
+    guidance_.start_alone();
+    start_plan(now.now_us);
+  }
   return out;
 }
 

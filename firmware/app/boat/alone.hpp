@@ -54,12 +54,13 @@ class Alone {
 
  private:
   void start_plan(std::int64_t now_us);
-  void start_errand(const Now& now);
+  void start_errand(const Now& now, bool anew);
   void sail_back(const Target& meanwhile);
   convert::GlobalPoint return_place(const convert::Position& here,
                                     const convert::GlobalPoint& home) const;
   void sail_round(const Target& target, const Target& meanwhile);
   void sail_errand();
+  PlanOrder errand() const { return {errands_.plan(), 0, kErrandReach_m}; }
   void keep_fence(const Now& now);
   void look_again();
   bool leg_keeps_fence() const;

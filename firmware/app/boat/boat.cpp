@@ -54,8 +54,7 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   while (links_.next(link, received_, now_us, counters_)) {
     fleet_.hear(received_, now_us);
     if (is_namesakes_rc(link)) continue;
-    const bool operators = vehicle_.take(link, received_, now_us, counters_);
-    if (operators) continue;
+    if (vehicle_.take(link, received_, now_us, counters_)) continue;
     if (const auto* time = std::get_if<link::SystemTime>(&received_.message)) {
       learn_time(link, *time, now_us);
     } else {

@@ -84,7 +84,7 @@ core::Conditions heard_of(const Parts<S>& boat, std::int64_t now_us) {
   core::Conditions met = boat.vehicle.conditions(now_us) | boat.guidance.heard(now_us) |
                          propulsion_of(boat.can, boat.configuration().propulsion, now_us);
   if (boat.host.bus_up) met |= core::kBusUp;
-  if (boat.host.unsaved.empty()) met |= core::kParametersSaved;
+  if (boat.host.why_not_to_arm.empty()) met |= core::kParametersSaved;
   return met;
 }
 

@@ -53,7 +53,8 @@ class FailsafeLimits {
 
   core::Conditions conditions() const { return met_; }
 
-  /// The first sure position since the start, and since the boat was last armed.
+  /// Where the boat was first located since the start or, later, since it was last armed; or where
+  /// the plan set it.
   std::optional<Home> home() const { return home_; }
   bool home_near() const { return home_near_; }
   /// Whether home was set after the tick of arming, perhaps at another place; true once.

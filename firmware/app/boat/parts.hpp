@@ -33,7 +33,7 @@ struct Parts {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (met & kSeen) == kSeen;
   }
-  /// The boat follows its leader or its own plan, and is not in COAST.
+  /// The boat is in FORMATION, or sails alone: in AUTO, GUIDED, LOITER or RTL.
   bool keeps_slot() const {
     return state() == core::State::kFormation || core::sails_alone(state());
   }

@@ -16,15 +16,15 @@ struct Snapshot {
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
   std::optional<double> reference_age_s;  ///< while the formation's reference is followed
   Estimates estimates;
-  bool error_known;  ///< own and leader's state are fresh
+  bool error_known;  ///< own and leader's state are fresh, or the boat sails alone
   core::Error<double> error;
   core::Nu<double> nu_star;
   core::Tau<double> asked, given;
   core::Thrust<double> thrust_N;
-  core::Limits limits;                 ///< limits that acted
-  core::TooFast<double> slot_needs;    ///< if above LAW_U_MAX, LAW_R_MAX; else 0
-  bool yielding;                       ///< to another vessel
-  bool in_slot;                        ///< FORMATION, and closed up
+  core::Limits limits;               ///< limits that acted
+  core::TooFast<double> slot_needs;  ///< if above LAW_U_MAX, LAW_R_MAX; else 0
+  bool yielding;                     ///< to another vessel
+  bool in_slot;  ///< in FORMATION and closed up, or sailing alone and at its place
   std::optional<double> separation_m;  ///< predicted, of the nearest vessel
   link::Counters counters;
 };

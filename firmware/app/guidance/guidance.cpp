@@ -176,21 +176,31 @@ Lead<S> Guidance<S>::lead_of_plan() const {
 }
 
 template <class S>
-void Guidance<S>::start_plan(const PlanOrder& order, const PlanDefaults& defaults) {
+void Guidance<S>::start_alone() {
   own_.begin();
+  follower_.start();
+}
+
+template <class S>
+void Guidance<S>::start_plan(const PlanOrder& order, const PlanDefaults& defaults) {
   reference_.lead(true);
   plan_vessel_.start(order, defaults, law_.route, own_.place(), own_.motion());
-  follower_.start();
+  follower_.restart();
   follower_.follow(law_, own_, lead_of_plan(), S(0));
 }
 
 template <class S>
-Target Guidance<S>::stop_ahead() const {
-  const core::Motion<S>& motion = own_.motion();
+void Guidance<S>::change_plan(const PlanOrder& order, const PlanDefaults& defaults) {
+  plan_vessel_.change(order, defaults);
+}
+
+template <class S>
+Target Guidance<S>::stop_ahead(bool of_vessel) const {
+  const core::Motion<S>& motion = of_vessel ? plan_vessel_.motion() : own_.motion();
+  const convert::Position here = of_vessel ? plan_vessel_.place() : own_.place();
   const S u = core::max(motion.nu.u, S(0));
   const S way = u * u / (S(1.8) * law_.route.accel);  // braking distance, as in core/route.hpp
   const core::Vec2<S> on = core::to_north_east(motion.psi, core::Vec2<S>{way, S(0)});
-  const convert::Position here = own_.place();
   return {convert::global_of({here.north_m + on.x, here.east_m + on.y, here.origin}),
           static_cast<float>(convert::number(u))};
 }

@@ -95,10 +95,14 @@ class Guidance {
   core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
   bool can_coast() const;
 
-  /// Call on entering a mode without a leader, and when its plan or item changes: the law follows a
-  /// virtual vessel that sails the plan from the boat's place. The plan must not change before
-  /// end_plan().
+  /// Call on entering a mode without a leader, then start_plan(). Resets the watch on the boat's
+  /// response; the other two do not, or orders that come often would switch it off.
+  void start_alone();
+  /// The law follows a virtual vessel that sails the plan from the boat's place. The plan must not
+  /// change before end_plan().
   void start_plan(const PlanOrder& order, const PlanDefaults& defaults);
+  /// The vessel sails another plan, from its own place.
+  void change_plan(const PlanOrder& order, const PlanDefaults& defaults);
   void end_plan() { reference_.lead(false); }
 
   /// One step of the law behind that vessel; paused: it slows down and waits.
@@ -141,8 +145,9 @@ class Guidance {
   core::Motion<S> seen_motion(std::int64_t now_us) const { return own_.track().motion(now_us); }
   const convert::Position& seen_from() const { return own_.track().position(); }
 
-  /// Where the boat comes to rest if it brakes now, straight ahead, and its present speed.
-  Target stop_ahead() const;
+  /// Where the boat, or the vessel that it follows, comes to rest if it brakes now, straight ahead,
+  /// and its present speed.
+  Target stop_ahead(bool of_vessel) const;
 
   /// Depth in the tree, to be sent; nullopt if FS_SEP_M is 0.
   std::optional<double> depth() const;

@@ -32,8 +32,8 @@ core::ControllerInput<S> controller_input(const Lead<S>& lead, const OwnMotion<S
 template <class S>
 void SlotFollower<S>::follow(const convert::Law<S>& law, const OwnMotion<S>& own,
                              const Lead<S>& next, S dt) {
-  if (lead_.leader != next.leader) starting_ = true;
-  if (starting_ || (lead_.branch == next.branch && !same_slot(lead_, next))) station_ = {};
+  if (lead_.leader != next.leader) start();
+  if (!starting_ && lead_.branch == next.branch && !same_slot(lead_, next)) station_ = {};
   if (starting_) {
     shift_n_ = {};
     blend_ = {};

@@ -31,8 +31,19 @@ core::ControllerInput<S> controller_input(const Lead<S>& lead, const OwnMotion<S
 template <class S>
 class SlotFollower {
  public:
-  /// Call on entering FORMATION, except from COAST: resets the law to the leader's present state.
-  void start() { starting_ = true; }
+  /// Call on entering a state, except on return from COAST: resets the law to the leader's present
+  /// state.
+  void start() {
+    starting_ = true;
+    station_ = {};
+  }
+
+  /// Call when the vessel that the boat follows starts elsewhere. The times for which the boat has
+  /// made no way, or has spun, continue.
+  void restart() {
+    starting_ = true;
+    core::station_moved(station_);
+  }
 
   /// Call on return from COAST to FORMATION: the leader may have come back somewhere else.
   void close_anew() { station_ = {}; }

@@ -60,7 +60,7 @@ class TreePlace {
   const Own& own() const { return own_; }
 
  private:
-  struct Word {
+  struct LeaderMessage {
     std::int64_t heard_us = 0;
     Branch branch;
     RootOffset offset;
@@ -71,13 +71,13 @@ class TreePlace {
     bool followed = false;
   };
 
-  const Word* word(std::int64_t now_us) const;
-  const Word* followed(std::int64_t now_us) const;
+  const LeaderMessage* message(std::int64_t now_us) const;
+  const LeaderMessage* followed(std::int64_t now_us) const;
   std::optional<RootOffset> behind(const RootOffset& leaders) const;
 
   Own own_;
   std::optional<RootOffset> alone_{RootOffset{}};  // our slot relative to the leader
-  std::optional<Word> word_;
+  std::optional<LeaderMessage> message_;
   bool leads_ = true;              // the leader's reference is young enough to follow
   std::uint32_t first_ms_ = 0;     // first message of this leader
   std::int64_t not_young_us_ = 0;  // last time it was older than kYoung_us

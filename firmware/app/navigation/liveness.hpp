@@ -73,9 +73,9 @@ class Liveness {
 
  private:
   static constexpr S kForgetting_per_s = S(0.2), kHeld_s = S(5), kPushedHeld_s = S(8);
-  static constexpr S kTold = S(0.15);   ///< m, rad: well above any message's rounding
-  static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
-  static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: counts as at rest
+  static constexpr S kContradicts = S(0.15);  ///< m, rad: well above any message's rounding
+  static constexpr S kPushed = S(0.1);        ///< m/s, rad/s
+  static constexpr S kSlow = S(0.05);         ///< m/s, rad/s: counts as at rest
   /// A position that stays within kNear_m, more than the noise of precise ones, for kNear_s,
   /// although the velocity leads kFar_m away, is frozen.
   static constexpr Metres kNear_m = Metres(0.15);
@@ -109,7 +109,7 @@ class Liveness {
       Stuck::stay(h);
     }
     /// The reported rate contradicts the repetition.
-    bool contradicts() const { return core::hypot(way.x, way.y) > kTold; }
+    bool contradicts() const { return core::hypot(way.x, way.y) > kContradicts; }
   };
 
   static bool is_near(Metres a, Metres b) { return a - b < kNear_m && b - a < kNear_m; }

@@ -274,7 +274,7 @@ Neighbours::Vessel* Neighbours::find_at(std::uint32_t id, const convert::Positio
   constexpr double kSlack_m = 10, kTurns = 0.5;  // of the way since then
   constexpr double kLongest_s = 30;
   Vessel *best = nullptr, *forgotten = nullptr;
-  double nearest_m = 0;
+  double least_off_m = 0;
   for (Vessel& v : vessels_) {
     if (v.id != id) continue;
     if (!counts(v, now_us)) {
@@ -289,9 +289,9 @@ Neighbours::Vessel* Neighbours::find_at(std::uint32_t id, const convert::Positio
         portable::hypot(convert::number(place.north_m - v.north_m) - s * v_north_mps,
                         convert::number(place.east_m - v.east_m) - s * v_east_mps) -
         kTurns * std::abs(s) * portable::hypot(v_north_mps, v_east_mps);
-    if (off_m > (best == nullptr ? kSlack_m : nearest_m)) continue;
+    if (off_m > (best == nullptr ? kSlack_m : least_off_m)) continue;
     best = &v;
-    nearest_m = off_m;
+    least_off_m = off_m;
   }
   return best != nullptr ? best : forgotten;
 }

@@ -30,7 +30,7 @@ void StateSources::hear(Source source, std::int64_t stamp_us, std::int64_t now_u
     const auto offset_us = in.clock.offset_us();
     in.late = offset_us && now_us - stamp_us - *offset_us > ClockOffset::kLate_us;
   }
-  // Either the vessel rebooted or only this message is late: change_to() decides.
+  // Either the vessel rebooted or only this message is late: VesselTrack decides.
   in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
   in.newest_us = in.in_a_row > 0 ? std::max(in.newest_us, stamp_us) : stamp_us;
   in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;

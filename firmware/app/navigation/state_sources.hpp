@@ -47,7 +47,10 @@ class StateSources {
   bool is_reset(std::uint8_t resets, std::int64_t stamp_us) const;
   void note_resets(std::uint8_t resets) { odometry_resets_ = resets; }
 
-  /// The clock of the source in use was set, or restarted with the vessel at this stamp.
+  /// The vessel restarted; this stamp is the first after that.
+  void reboot(std::int64_t stamp_us);
+
+  /// The clock of the source in use was set.
   void reset_clock() {
     clock().reset();
     heard(in_use_).late = false;
@@ -55,7 +58,6 @@ class StateSources {
   }
   /// How often the clock of the source in use, or its component, has changed; wraps.
   std::uint8_t clock_resets() const { return clock_resets_; }
-  void reboot(std::int64_t stamp_us);
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
   void answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us);

@@ -102,20 +102,24 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   return true;
 }
 
-/// Keeps a request until the next tick answers it, unless it is a copy from another link.
+/// Keeps a request until the next tick answers it, unless it is a late copy.
 void Vehicle::keep(std::size_t link, const link::Received& received, const RequestMessage& request,
                    std::int64_t now_us, link::Counters& counters) {
   const PendingRequest pending{now_us,          request, received.from,
                                received.target, link,    may_command(received.from)};
   bool copy = false;
   if (Setpoints::is_one(received.id)) {
-    copy = pending.may_command && !setpoint_link_.takes(received.from, link, now_us);
+    copy = pending.may_command && !setpoint_link_.accept(received.from, link, now_us);
   } else if (pending.effects.overwrites) {
     const auto verdict = copies_.judge(received, links_.frame(link), link, now_us);
     copy = verdict != Copies::Verdict::kNew;
     if (FLOTILLA_KEEPS_FLEET != 0 && verdict == Copies::Verdict::kPerhaps) {
-      ignored_ = "too many, and on another link: wait 5 s";
+      ignored_ = "too many requests: ask again in 5 s";
+    } else if (FLOTILLA_KEEPS_FLEET != 0 && verdict == Copies::Verdict::kOvertaken) {
+      ignored_ = "copy of an older request, or ask again";
     }
+  } else if (FLOTILLA_KEEPS_FLEET != 0 && pending.effects.stops) {
+    copies_.note_stop(now_us);
   }
   if (!copy) inbox_.push(pending, counters);
 }
@@ -147,7 +151,7 @@ void Vehicle::take_sticks(std::size_t link, link::Address from, const link::Manu
     ++counters.mavlink_bad_value;
     return;
   }
-  if (!rc_.hold(now_us_) && stick_link_.takes(from, link, now_us)) {
+  if (!rc_.hold(now_us_) && stick_link_.accept(from, link, now_us)) {
     supervisor_.take_sticks({*surge, *yaw}, from, now_us);
   }
 }
@@ -181,7 +185,7 @@ void Vehicle::apply_conditions(core::Conditions conditions, link::Counters& coun
 
 void Vehicle::stop(link::Counters& counters) {
   if (supervisor_.request(Request::kTerminate, now_us_).changed) announce_state(0, counters);
-  if (!texts_.take_if_due(Repeated::kStopPressed, now_us_)) return;
+  if (!texts_.take_if_due(TextKind::kStopPressed, now_us_)) return;
   texts_.send(mav::kSeverityCritical, {"stop switch is pressed, or its wire is cut"}, counters);
 }
 
@@ -193,7 +197,7 @@ void Vehicle::apply_rc(link::Counters& counters) {
   }
   if (asked) request(*asked, counters);
   if (asked == Request::kManual && supervisor_.state() == State::kManual) {
-    recent_.note_order({}, now_us_);
+    recent_.note_order({}, 0, now_us_);
   }
 }
 
@@ -293,7 +297,7 @@ Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
 
 /// Warns that a key protects only links that require signatures, and only while the time is known.
 void Vehicle::warn_of_signing(link::Counters& counters) {
-  if (!links_.signing().has_key() || !texts_.take_if_due(Repeated::kSigning, now_us_)) return;
+  if (!links_.signing().has_key() || !texts_.take_if_due(TextKind::kSigning, now_us_)) return;
   Sentence open;
   open << "unsigned messages accepted on link";
   const std::size_t closed = open.text().size();
@@ -308,7 +312,7 @@ void Vehicle::warn_of_signing(link::Counters& counters) {
 }
 
 void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {
-  const Repeated kind = request == Request::kArm ? Repeated::kArmRefused : Repeated::kRefused;
+  const TextKind kind = request == Request::kArm ? TextKind::kArmRefused : TextKind::kRefused;
   if (!texts_.take_if_due(kind, now_us_)) return;
   const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
   if (missing == 0) {

@@ -87,8 +87,8 @@ class Vehicle {
   /// release.
   void stop(link::Counters& counters);
 
-  /// Answers the requests since the last tick, in order, up to one that stops the boat or changes a
-  /// parameter. If true, apply the change (see take_change()) and call again.
+  /// Answers the requests since the last tick, in order, up to one that stops the boat, changes
+  /// its state or changes a parameter. If true, apply any change (see take_change()), call again.
   bool answer(link::Counters& counters);
 
   /// Whether requests are pending, whose answers may need a report.
@@ -159,7 +159,7 @@ class Vehicle {
   void answer_log(const PendingRequest& pending);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void tell_mission_news(link::Counters& counters);
-  std::uint8_t answer_of_jump(DecodedCommand& asked);
+  std::uint8_t answer_of_item(DecodedCommand& asked);
   std::uint8_t answer_of_plan(DecodedCommand& asked, bool repeated);
   void screen(const PendingRequest& pending, const Command& command, DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;

@@ -11,7 +11,7 @@ using core::Request;
 /// Whether a request drives the boat or prepares it for driving. If such a request is addressed to
 /// the whole system, it is for the autopilot and not for its companion; one that stops the boat is
 /// for both.
-bool drives(Request request) { return core::RequestKind::kStops < core::kind_of(request); }
+bool arms_or_drives(Request request) { return core::RequestKind::kStops < core::kind_of(request); }
 
 /// Whether a request lets the boat sail without a leader.
 bool sails_alone(Request request) {
@@ -19,6 +19,13 @@ bool sails_alone(Request request) {
          request == Request::kReturn;
 }
 
+/// Leaves nothing of a command but why it is refused.
+[[gnu::noinline]] void reject(DecodedCommand& asked, std::uint8_t result, std::string_view why) {
+  asked = {result};
+  asked.why = why;
+}
+
+constexpr std::string_view kBadSpeed = "speed must be 0.05 m/s to LAW_U_MAX";
 constexpr std::string_view kJustPaused = "boat was just paused: ask again in 5 s";
 
 bool is_of_logs(const RequestMessage& message) {
@@ -89,14 +96,14 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
   if (asked.target) judge_target(asked);
   const auto& drive = setpoint.drive;
   if (drive && drive->u != 0 && !is_speed(drive->u, configuration_.plan)) {
-    asked.why = "speed not 0.05 to 5 m/s, or > LAW_U_MAX";
+    asked.why = kBadSpeed;
   }
   if (!asked.why.empty()) {
     ignored_ = asked.why;
     return;
   }
   orders_.set(asked.target, drive, now_us_);
-  recent_.note_order(pending.from, now_us_);
+  recent_.note_order(pending.from, pending.link, now_us_);
 }
 
 /// Reports a refusal as for setpoints.
@@ -129,7 +136,7 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   Sentence told;
   if (news->kind != Kind::kStored) {
     const bool refused = news->kind == Kind::kRefused;
-    if (refused && !texts_.take_if_due(Repeated::kRefused, now_us_)) return;
+    if (refused && !texts_.take_if_due(TextKind::kRefused, now_us_)) return;
     const std::string_view how = refused ? " refused at item " : " invalid at item ";
     told << name << how << static_cast<float>(news->item) << ": " << news->why;
     texts_.send(mav::kSeverityWarning, {told.text()}, counters);
@@ -158,28 +165,24 @@ std::uint8_t Vehicle::answer_of_fence(DecodedCommand& asked, bool repeated) {
 
 /// Judges a target before the mode changes. A boat already in GUIDED accepts a new target.
 void Vehicle::judge_target(DecodedCommand& asked) const {
-  const auto refuse = [&](std::uint8_t result, std::string_view why) {
-    asked = {result};
-    asked.why = why;
-  };
   const bool guided = supervisor_.state() == core::State::kGuided;
   if (asked.target->speed_mps != 0 && !is_speed(asked.target->speed_mps, configuration_.plan)) {
-    refuse(mav::kDenied, "speed not 0.05 to 5 m/s, or > LAW_U_MAX");
+    reject(asked, mav::kDenied, kBadSpeed);
   } else if (asked.request == Request::kNone && !guided) {
-    refuse(mav::kDenied, "target needs GUIDED");
+    reject(asked, mav::kDenied, "target needs GUIDED");
   } else if (const auto here = place(); !here) {
-    refuse(mav::kTemporarilyRejected, "own position unknown");
+    reject(asked, mav::kTemporarilyRejected, "own position unknown");
   } else if (!convert::way_to<double>(*here, asked.target->place, kErrandReach_m).near) {
-    refuse(mav::kDenied, "target is over 2.9 km away");
+    reject(asked, mav::kDenied, "target is over 2.9 km away");
   } else if (missions_.fence().is_on()) {
     const auto why =
         missions_.fence().refusal_of(*here, asked.target->place, configuration_.plan.margin_m);
-    if (!why.empty()) refuse(mav::kDenied, why);
+    if (!why.empty()) reject(asked, mav::kDenied, why);
   }
 }
 
 /// Goes to an item if it is near enough and the way there respects the fence.
-std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
+std::uint8_t Vehicle::answer_of_item(DecodedCommand& asked) {
   if (supervisor_.state() == core::State::kAuto) {
     const auto here = place();
     if (!here) return mav::kTemporarilyRejected;
@@ -199,7 +202,7 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked, bool repeated) {
     asked.why = kJustPaused;
     return mav::kTemporarilyRejected;
   }
-  if (asked.item) return answer_of_jump(asked);
+  if (asked.item) return answer_of_item(asked);
   if (!core::sails_alone(supervisor_.state())) return mav::kTemporarilyRejected;
   orders_.pause(pauses, now_us_);
   return mav::kAccepted;
@@ -207,23 +210,19 @@ std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked, bool repeated) {
 
 /// Refuses a command whose sender may not command, or that others overtook, and an unfit target.
 void Vehicle::screen(const PendingRequest& pending, const Command& command, DecodedCommand& asked) {
-  const auto refuse = [&](std::uint8_t result, std::string_view why) {
-    asked = {result};
-    asked.why = why;
-  };
   if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
-    refuse(mav::kDenied, {});
+    reject(asked, mav::kDenied, {});
   }
   if (asked.request == Request::kFormation && setpoints_.come_from(pending.from, now_us_)) {
-    refuse(mav::kDenied, "mode 6 after setpoints is OFFBOARD");
+    reject(asked, mav::kDenied, "mode 6 after setpoints is OFFBOARD");
   }
   std::string_view overtaken;
   if (asked.request != Request::kNone) {
     overtaken = recent_.judge(pending, asked.request, command.repeated, now_us_);
   } else if (asked.orders()) {
-    overtaken = recent_.judge_order(pending.from, command.repeated, now_us_);
+    overtaken = recent_.judge_order(pending, command.repeated, now_us_);
   }
-  if (!overtaken.empty()) refuse(mav::kTemporarilyRejected, overtaken);
+  if (!overtaken.empty()) reject(asked, mav::kTemporarilyRejected, overtaken);
   if (asked.target) judge_target(asked);
 }
 
@@ -234,7 +233,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(supervisor_.state());
   const bool of_plan = asked.item || asked.paused || asked.target || asked.fence;
-  const bool leave = drives(asked.request) || of_plan || unknown || at_rest;
+  const bool leave = arms_or_drives(asked.request) || of_plan || unknown || at_rest;
   if (identity_.is_for_autopilot(command.target) && leave) return;
   screen(pending, command, asked);
   if (asked.failure) asked.result = failures_.answer(*asked.failure);
@@ -264,7 +263,9 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = answer_of(link, *asked.message);
     if (asked.result != mav::kAccepted) asked.message.reset();
   }
-  if (asked.orders() && asked.result == mav::kAccepted) recent_.note_order(pending.from, now_us_);
+  if ((asked.orders() || asked.paused) && asked.result == mav::kAccepted) {
+    recent_.note_order(pending.from, link, now_us_);
+  }
   acknowledge(pending, command, asked.result, counters);
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
@@ -290,7 +291,7 @@ void Vehicle::tell_decision(const DecodedCommand& asked, const Supervisor::Decis
   } else {
     texts_.send_complaints("armed, no FORMATION: ", decision.missing, counters);
   }
-  if (!asked.why.empty() && texts_.take_if_due(Repeated::kRefused, now_us_)) {
+  if (!asked.why.empty() && texts_.take_if_due(TextKind::kRefused, now_us_)) {
     texts_.send(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);
   }
 }
@@ -347,7 +348,7 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
     case SetResult::Outcome::kUnchanged:
       break;
     case SetResult::Outcome::kRefused:
-      if (texts_.take_if_due(Repeated::kParameterRefused, now_us_)) {
+      if (texts_.take_if_due(TextKind::kParameterRefused, now_us_)) {
         texts_.send(mav::kSeverityWarning, {result.sentence.text()}, counters);
       }
       break;

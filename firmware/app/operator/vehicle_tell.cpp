@@ -82,12 +82,12 @@ void Vehicle::tell(link::Counters& counters) {
   }
   tell_mission_news(counters);
   sender_.send_separation(counters);
-  if (identity_.take_doubled() && texts_.take_if_due(Repeated::kDoubled, now_us_)) {
+  if (identity_.take_doubled() && texts_.take_if_due(TextKind::kDoubled, now_us_)) {
     texts_.send(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
                 counters);
   }
   if (const auto why = std::exchange(ignored_, {});
-      !why.empty() && texts_.take_if_due(Repeated::kIgnored, now_us_)) {
+      !why.empty() && texts_.take_if_due(TextKind::kIgnored, now_us_)) {
     texts_.send(mav::kSeverityWarning, {"Refused: ", why}, counters);
   }
   sender_.send(counters);

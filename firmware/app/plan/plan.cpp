@@ -64,7 +64,7 @@ PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
   if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "param1 is not 0 or 1"};
   if (speed_mps < 0) return {};  // −1: no change, −2: the default
   if (speed_mps < kSlowest_mps || !(speed_mps <= kPlanFastest_mps)) {
-    return {mav::kMissionInvalidParam2, "speed not 0.05 to 5 m/s"};
+    return {mav::kMissionInvalidParam2, "speed must be 0.05 to 5 m/s"};
   }
   if (fastest_mps > 0 && speed_mps > fastest_mps) {
     return {mav::kMissionInvalidParam2, "speed is above LAW_U_MAX"};
@@ -76,10 +76,10 @@ PlanFault fault_of_circle(const PlanItem& item, const PlanDefaults& defaults) {
   constexpr float kMaxTurns = 100;
   const float radius_m = radius_of(item, defaults);
   if (!(or_zero(item.param[0]) > 0 && is_within(item.param[0], kMaxTurns))) {
-    return {mav::kMissionInvalidParam1, "turns not between 0 and 100"};
+    return {mav::kMissionInvalidParam1, "turns must be 0 to 100"};
   }
   if (!(radius_m >= 1 && radius_m <= kLargestRadius_m)) {
-    return {mav::kMissionInvalidParam3, "radius not 1 to 100 m"};
+    return {mav::kMissionInvalidParam3, "radius must be 1 to 100 m"};
   }
   return {};
 }
@@ -92,7 +92,7 @@ PlanFault fault_of_home(const PlanItem& item) {
 /// Judges the length of the leg between two places, and round them.
 PlanFault fault_of_leg(const PlanItem& from, const PlanItem& to, const PlanDefaults& defaults) {
   const convert::Position start{0, 0, {from.x, from.y, 0, 0}};
-  const float most_m = kPlanLeg_m - room_of(from, defaults) - room_of(to, defaults);
+  const float most_m = kPlanLeg_m - extent_of(from, defaults) - extent_of(to, defaults);
   if (convert::way_to<double>(start, {to.x, to.y}, most_m).near) return {};
   return {mav::kMissionInvalidX, "leg over 2.9 km"};
 }
@@ -141,10 +141,10 @@ PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
   }
   const bool timed = waits(item) && item.command != mav::kNavLoiterUnlimited && !turns(item);
   if (timed && !is_within(item.param[0], kLongestWait_s)) {
-    return {mav::kMissionInvalidParam1, "wait not 0 to 30000 s"};
+    return {mav::kMissionInvalidParam1, "wait must be 0 to 30000 s"};
   }
   if (item.command == mav::kNavWaypoint && !is_within(item.param[1], kLargestRadius_m)) {
-    return {mav::kMissionInvalidParam2, "radius not 0 to 100 m"};
+    return {mav::kMissionInvalidParam2, "radius must be 0 to 100 m"};
   }
   if (turns(item)) {
     if (const PlanFault fault = fault_of_circle(item, defaults)) return fault;
@@ -197,7 +197,7 @@ std::optional<convert::GlobalPoint> place_of(const PlanItem& item) {
   return convert::GlobalPoint{item.x, item.y};
 }
 
-float room_of(const PlanItem& item, const PlanDefaults& defaults) {
+float extent_of(const PlanItem& item, const PlanDefaults& defaults) {
   return turns(item) ? kOctagon * radius_of(item, defaults) : 0;
 }
 
@@ -295,7 +295,7 @@ PlanPoint PlanReader::point_of(const PlanItem& item, const convert::GlobalPoint&
 
 convert::GlobalPoint corner_of(const PlanItem& item, const PlanDefaults& defaults,
                                std::size_t octant) {
-  const double far_m = double{room_of(item, defaults)};
+  const double far_m = double{extent_of(item, defaults)};
   const auto& [north, east] = kOctants[octant];
   return convert::global_of({far_m * double{north}, far_m * double{east}, {item.x, item.y, 0, 0}});
 }

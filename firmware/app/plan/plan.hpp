@@ -70,7 +70,7 @@ PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item);
 std::optional<convert::GlobalPoint> place_of(const PlanItem& item);
 
 /// How far from its place an item leads the boat, m; 0: not beyond it.
-float room_of(const PlanItem& item, const PlanDefaults& defaults);
+float extent_of(const PlanItem& item, const PlanDefaults& defaults);
 
 /// A corner of the octagon round a circle, where the boat enters, turns or leaves; 0 … 7, clockwise
 /// from the north.

@@ -22,7 +22,7 @@ struct Ends {
   const PlanItem& item;
   const PlanDefaults& defaults;
 
-  bool is_circle() const { return room_of(item, defaults) > 0; }
+  bool is_circle() const { return extent_of(item, defaults) > 0; }
   std::size_t size() const { return is_circle() ? 8 : 1; }
   convert::GlobalPoint operator[](std::size_t i) const {
     return is_circle() ? corner_of(item, defaults, i) : *place_of(item);
@@ -40,7 +40,15 @@ std::string_view refusal_of(const Fence& fence, const PlanItem* from_item, const
     why = fence.refusal_of(from[leg / to.size()], to[leg % to.size()], defaults.margin_m);
   }
   if (!why.empty() || !to.is_circle()) return why;
-  return fence.refusal_of(*place_of(to_item), defaults.margin_m + room_of(to_item, defaults));
+  return fence.refusal_of(*place_of(to_item), defaults.margin_m + extent_of(to_item, defaults));
+}
+
+/// Judges the place that an item makes home: failsafes must be able to return there.
+std::string_view refusal_of_home(const Fence& fence, const PlanItem& item,
+                                 const PlanDefaults& defaults) {
+  if (item.command != link::mav::kDoSetHome) return {};
+  const auto home = home_of(item);
+  return home ? fence.refusal_of(*home, defaults.margin_m) : std::string_view();
 }
 
 }  // namespace
@@ -50,9 +58,9 @@ bool PlanCheck::forward(const Fence& fence, Plan plan, const PlanDefaults& defau
   for (int n = 0; n < kItemsPerTick && fence.is_on() && at_ < plan.size(); ++n, ++at_) {
     bool jumps = false;
     const auto to = aim_of(plan, at_, defaults, jumps);
-    if (!to) continue;
-    why_ = refusal_of(fence, from_ ? &plan[*from_] : nullptr, plan[*to], defaults);
-    if (!jumps) from_ = to;
+    why_ = refusal_of_home(fence, plan[at_], defaults);
+    if (to) why_ = refusal_of(fence, from_ ? &plan[*from_] : nullptr, plan[*to], defaults);
+    if (to && !jumps) from_ = to;
     if (why_.empty()) continue;
     over_ = true;
     return true;
@@ -63,15 +71,17 @@ bool PlanCheck::forward(const Fence& fence, Plan plan, const PlanDefaults& defau
 
 PlanFault fence_fault_of_last(const Fence& fence, Plan plan, const PlanDefaults& defaults) {
   if (!fence.is_on()) return {};
+  const auto fault = [](std::string_view why) {
+    return why.empty() ? PlanFault{} : PlanFault{link::mav::kMissionInvalid, why};
+  };
   bool jumps = false;
   const auto to = aim_of(plan, plan.size() - 1, defaults, jumps);
-  if (!to) return {};
+  if (!to) return fault(refusal_of_home(fence, plan.back(), defaults));
   const PlanItem* from = nullptr;
   for (std::size_t i = plan.size() - 1; i > 0 && from == nullptr; --i) {
     if (place_of(plan[i - 1])) from = &plan[i - 1];
   }
-  const std::string_view why = refusal_of(fence, from, plan[*to], defaults);
-  return why.empty() ? PlanFault{} : PlanFault{link::mav::kMissionInvalid, why};
+  return fault(refusal_of(fence, from, plan[*to], defaults));
 }
 
 }  // namespace flotilla::app

@@ -13,7 +13,7 @@ constexpr float kLongestWay_m = 3000;  // the planner's tested range
 static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
 // After this way the vessel measures again whether the next point is near enough.
 constexpr int kFarther_m = 50;
-constexpr int kNear_m = 1;  // from this distance of the boat on the vessel slows down
+constexpr int kNear_m = 1;  // the vessel slows down while the boat is farther away than this
 // Steps of the scout between two samples of the future.
 constexpr int kSteps = 5;
 constexpr float kLeastCut = 0.25F;  // of the margin from a fence
@@ -23,7 +23,7 @@ constexpr float kLeastCut = 0.25F;  // of the margin from a fence
 template <class S>
 void PlanVessel<S>::start(const PlanOrder& order, const PlanDefaults& defaults,
                           const core::RouteParams<S>& limits, const convert::Position& own,
-                          const core::Motion<S>& motion) {
+                          const core::Motion<S>& motion, S steerage) {
   from_ = own;
   start_m_ = order.start_m;
   fence_ = order.fence;
@@ -42,7 +42,7 @@ void PlanVessel<S>::start(const PlanOrder& order, const PlanDefaults& defaults,
   fill(order.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);
-  const bool on_course = core::abs(off) < S(0.5) && S(0.1) < motion.nu.u;
+  const bool on_course = core::abs(off) < S(0.5) && steerage < motion.nu.u;
   if (count_ < 2) {
     state_.motion.psi = motion.psi;
     state_.phase = core::RoutePhase::kWait;
@@ -55,6 +55,13 @@ void PlanVessel<S>::start(const PlanOrder& order, const PlanDefaults& defaults,
     state_.left = points_[0].wait;
     state_.phase = core::RoutePhase::kWait;
   }
+}
+
+template <class S>
+void PlanVessel<S>::change(const PlanOrder& order, const PlanDefaults& defaults) {
+  const core::Motion<S> before = state_.motion;
+  start(order, defaults, limits_, place(), before, S(0));
+  if (state_.phase == core::RoutePhase::kWait) state_.motion.nu.r = before.nu.r;
 }
 
 /// Reads a limited number of points: a plan whose jumps repeat a single place ends there.

@@ -28,7 +28,7 @@ struct PlanOrder {
   const Fence* fence = nullptr;  ///< corners keep from it; it must outlive the plan's vessel
 };
 
-/// The boat that follows the vessel, off_m away; from far_m on the vessel waits for it.
+/// The boat that follows the vessel, off_m away from it. At far_m or more, the vessel waits.
 template <class S>
 struct BoatBehind {
   S off_m{};
@@ -41,11 +41,15 @@ struct BoatBehind {
 template <class S>
 class PlanVessel {
  public:
-  /// Starts at the boat's place and with its motion, and sails to the first point of the plan and
-  /// on.
+  /// Starts at the boat's place and sails to the first point of the plan and on: at the boat's speed
+  /// if that is more than `steerage` and nearly on course, otherwise from rest.
   void start(const PlanOrder& order, const PlanDefaults& defaults,
              const core::RouteParams<S>& limits, const convert::Position& own,
-             const core::Motion<S>& motion);
+             const core::Motion<S>& motion, S steerage = S(0.1));
+
+  /// Sails another plan from where the vessel is, and goes on turning. Plans may change many times
+  /// a second.
+  void change(const PlanOrder& order, const PlanDefaults& defaults);
 
   /// Sails for dt seconds; slows down and waits for the boat.
   void forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt);

@@ -33,10 +33,10 @@ bool is_voyage(const PlanItem& item) {
 PlanFault fault_of_voyage(const PlanItem& item) {
   const float share = or_zero(item.param[0]), radius_m = or_zero(item.param[1]);
   if (share != 0 && !(share >= kLeastShare && share <= 1)) {
-    return {mav::kMissionInvalidParam1, "thrust not 0.1 to 1"};
+    return {mav::kMissionInvalidParam1, "thrust must be 0.1 to 1"};
   }
   if (radius_m != 0 && !(radius_m >= kLeastRadius_m && radius_m <= kGreatestRadius_m)) {
-    return {mav::kMissionInvalidParam2, "radius not 5 to 500 m"};
+    return {mav::kMissionInvalidParam2, "radius must be 5 to 500 m"};
   }
   return {};
 }

@@ -60,7 +60,7 @@ VoyageSpeeds speeds_of(const PlanDefaults& defaults);
 VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
                    const Configuration::Stopping& stopping);
 
-/// Sentences for the operator.
+/// News for the operator; see sentence_of().
 struct VoyageNews {
   enum class Kind : std::uint8_t { kBegins, kAgain, kLeftOut, kOver, kLost };
   Kind kind = Kind::kBegins;

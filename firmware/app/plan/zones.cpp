@@ -54,7 +54,7 @@ PlanFault fault_of_command(const PlanItem& item) {
   if (is_circle(item)) {
     const float radius_m = item.param[0];
     if (!(radius_m >= kLeastCircle_m && radius_m <= kGreatestCircle_m)) {
-      return {mav::kMissionInvalidParam1, "radius not 1 to 2000 m"};
+      return {mav::kMissionInvalidParam1, "radius must be 1 to 2000 m"};
     }
   }
   if (!is_corner(item) && !is_circle(item)) {

@@ -125,10 +125,10 @@ void CanNode::judge(Esc& esc, std::int64_t since_us) {
   esc.zeros_ms = zeros ? more(esc.zeros_ms) : std::uint16_t{0};
   longer(esc.drives_ms, esc.zeros_ms >= kRunDown_ms && esc.status.power_rating_pct >= kDrives_pct);
   // A current of NaN is unknown; an ESC that cannot measure its current may also report 0.
-  if (esc.status.current >= kDraws_A) esc.measures = true;
-  const bool draws_none = esc.measures && esc.status.current < kDraws_A;
+  if (esc.status.current >= kDraws_A) esc.measures_current = true;
+  const bool draws_none = esc.measures_current && esc.status.current < kDraws_A;
   longer(esc.turns_ms, zeros && !draws_none && std::abs(esc.status.rpm) >= kTurns_rpm);
-  if (std::abs(esc.status.rpm) >= kTurns_rpm) esc.counts = true;
+  if (std::abs(esc.status.rpm) >= kTurns_rpm) esc.measures_rpm = true;
   longer(esc.obeyed_ms, esc.drives_ms < kRunDown_ms && esc.turns_ms < kWindmills_ms);
 }
 
@@ -142,7 +142,7 @@ bool CanNode::escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_u
 
 bool CanNode::rests(std::uint8_t index) const {
   const Esc& esc = escs_[index % escs_.size()];
-  return esc.counts && std::abs(esc.status.rpm) < kTurns_rpm;
+  return esc.measures_rpm && std::abs(esc.status.rpm) < kTurns_rpm;
 }
 
 std::optional<link::EscStatus> CanNode::esc_status(std::uint8_t index, std::int64_t now_us) const {

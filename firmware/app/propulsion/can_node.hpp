@@ -75,9 +75,9 @@ class CanNode {
     std::int64_t claimed_us = kNever;  ///< last status from a second node
     link::EscStatus status{};
     std::uint8_t node = 0;
-    bool driven = false;    ///< commanded to turn since the last status
-    bool measures = false;  ///< has measured a current
-    bool counts = false;    ///< has measured a rotation
+    bool driven = false;            ///< commanded to turn since the last status
+    bool measures_current = false;  ///< has once
+    bool measures_rpm = false;      ///< has once
     // Durations up to the last status, ms, at most kMinute_ms:
     std::uint16_t zeros_ms = 0;   ///< commanded to stop
     std::uint16_t drives_ms = 0;  ///< driving although commanded to stop

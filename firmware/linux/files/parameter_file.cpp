@@ -136,10 +136,7 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
     return bad(std::string("cannot be read: ") + std::strerror(content.error));
   }
   Checked checked = check(content.text);
-  if (!checked.fault.empty()) {
-    bad(checked.fault);
-    return Found::kBad;
-  }
+  if (!checked.fault.empty()) return bad(checked.fault);
 
   LoadedParameters version;
   std::array<bool, app::kParameterList.size()> seen{};

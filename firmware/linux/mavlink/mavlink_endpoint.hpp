@@ -16,7 +16,7 @@ class MavlinkEndpoint {
   virtual ~MavlinkEndpoint() = default;
 
   /// Sends whole messages, as one datagram if the link has datagrams. Messages that cannot be sent
-  /// now are dropped whole and counted.
+  /// now are dropped whole.
   virtual void send(std::span<const std::uint8_t> messages) = 0;
 
   /// Copies received bytes; 0 if there are none.
@@ -39,11 +39,6 @@ class MavlinkEndpoint {
 
   /// errno of the last attempt to open it.
   virtual int error() const = 0;
-
-  std::uint64_t dropped() const { return dropped_; }
-
- protected:
-  std::uint64_t dropped_ = 0;  ///< calls of send() with bytes that could not be sent
 };
 
 /// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; sends to accepted peers, see Peers

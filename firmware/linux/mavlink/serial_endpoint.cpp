@@ -60,10 +60,7 @@ void SerialEndpoint::maintain(std::int64_t /*now_us*/) {
 
 void SerialEndpoint::send(std::span<const std::uint8_t> messages) {
   flush();
-  if (!port_ || !waiting_.empty()) {
-    ++dropped_;
-    return;
-  }
+  if (!port_ || !waiting_.empty()) return;
   waiting_.assign(messages.begin(), messages.end());
   flush();
 }

@@ -77,15 +77,11 @@ void UdpEndpoint::send(std::span<const std::uint8_t> messages) {
 }
 
 void UdpEndpoint::send_to(const sockaddr_in& peer, std::span<const std::uint8_t> messages) {
-  if (!socket_) {
-    ++dropped_;
-    return;
-  }
+  if (!socket_) return;
   const ssize_t sent = ::sendto(socket_->get(), messages.data(), messages.size(), MSG_NOSIGNAL,
                                 generic(peer), sizeof peer);
   // ECONNREFUSED: nobody listens there yet; MAVLink messages repeat.
   if (sent >= 0 || errno == ECONNREFUSED) return;
-  ++dropped_;
   // Temporary failures: a new socket would not help, and would change our source address.
   constexpr std::array kPassing{EAGAIN, ENOBUFS, EHOSTUNREACH, EPERM};
   if (!learns_ && std::ranges::find(kPassing, errno) == kPassing.end()) socket_.give_up();

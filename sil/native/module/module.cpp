@@ -110,7 +110,7 @@ class PyBoat {
   void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us,
                bool save_failed, bool clock_is_set, bool stop_pressed) {
     const app::HostReport report{.bus_up = bus_up,
-                                 .unsaved = parameters_saved ? "" : app::kParametersUnsaved,
+                                 .why_not_to_arm = parameters_saved ? "" : app::kParametersUnsaved,
                                  .overruns = overruns,
                                  .unix_us = unix_us,
                                  .save_failed = save_failed,

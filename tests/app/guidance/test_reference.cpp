@@ -477,7 +477,7 @@ TEST_CASE("a root with another origin is not followed at once either") {
   CHECK(f.refused() == 1);
 }
 
-TEST_CASE("a root that is further than FORM_DIST_MAX beyond our slot is not followed") {
+TEST_CASE("a root that is farther away than FORM_DIST_MAX from our slot is not followed") {
   for (const int away_m : {190, 210, 6000}) {
     Follower f;
     for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += 100'000) {

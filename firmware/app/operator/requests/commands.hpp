@@ -84,8 +84,7 @@ struct DecodedCommand {
 
   /// Whether it orders the boat to drive, or where to.
   bool orders() const {
-    return core::RequestKind::kArms < core::kind_of(request) || target || item ||
-           (paused && !*paused);
+    return core::turns_propellers(core::kind_of(request)) || target || item || (paused && !*paused);
   }
 };
 DecodedCommand meaning_of(const Command& command);

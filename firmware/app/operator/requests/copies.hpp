@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Recognises requests that arrive a second time, on another link. If several vessels hear a ground
-// station, they forward its messages, and a late copy could undo a newer request.
+// Recognises requests that arrive a second time. If several vessels hear a ground station, they
+// forward its messages, and a late copy could undo a newer request.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,9 @@ namespace flotilla::app {
 /// to note each one. Remembers the last two senders: one operator often takes over from another.
 class StreamLink {
  public:
-  [[gnu::noinline]] bool takes(link::Address from, std::size_t link, std::int64_t now_us) {
+  /// Whether the message is to be used; if so, its link becomes the sender's.
+  [[gnu::noinline]] [[nodiscard]] bool accept(link::Address from, std::size_t link,
+                                              std::int64_t now_us) {
     constexpr std::uint32_t kSilent_ms = 5000;
     const auto ms = static_cast<std::uint32_t>(now_us / 1000);
     if (from != senders_[0].from) std::swap(senders_[0], senders_[1]);
@@ -42,8 +44,10 @@ class Copies {
  public:
   enum class Verdict : std::uint8_t {
     kNew,
-    kCopy,     ///< the same one, with the same checksum, came on another link in the last 5 s
-    kPerhaps,  ///< too many came in that time to remember each; this one is on an unusual link
+    kCopy,       ///< the same one, with the same checksum, came on another link in the last 5 s
+    kOvertaken,  ///< the same one came on this link in the last 5 s, and a newer request since; or
+                 ///< its sender has started again, and sends what it sent before
+    kPerhaps,    ///< too many came in that time to remember each; this one is on an unusual link
   };
 
   /// Judges the message, and notes it if it is new.
@@ -57,16 +61,25 @@ class Copies {
       return then.from != link::Address{} && now.ms - then.ms < kLate_ms;
     };
     for (const Seen& then : seen_) {
-      if (then.link != now.link && then.sequence == now.sequence && then.id == now.id &&
-          then.from == now.from && then.checksum == now.checksum && recent(then)) {
-        return Verdict::kCopy;
+      if (then.sequence != now.sequence || then.id != now.id || then.from != now.from ||
+          then.checksum != now.checksum || !recent(then)) {
+        continue;
       }
+      if (then.link != now.link) return Verdict::kCopy;
+      const bool judged = FLOTILLA_KEEPS_FLEET != 0 && !received.is_signed;  // signed: never twice
+      if (judged && is_overtaken(then)) return Verdict::kOvertaken;
     }
-    const bool usual = usual_.takes(received.from, link, now_us);
+    const bool usual = usual_.accept(received.from, link, now_us);
     if (recent(seen_[next_]) && !usual) return Verdict::kPerhaps;
     seen_[next_] = now;
     next_ = (next_ + 1) % seen_.size();
     return Verdict::kNew;
+  }
+
+  /// Notes a request that stops the boat.
+  void note_stop(std::int64_t now_us) {
+    stop_ms_ = static_cast<std::uint32_t>(now_us / 1000);
+    stopped_ = true;
   }
 
  private:
@@ -77,6 +90,16 @@ class Copies {
     std::uint16_t checksum = 0;
   };
 
+  /// Whether a stop, or another request of its sender, came later.
+  bool is_overtaken(const Seen& then) const {
+    const auto later = [&](std::uint32_t ms) {
+      return static_cast<std::int32_t>(ms - then.ms) > 0;
+    };
+    return (stopped_ && later(stop_ms_)) || std::ranges::any_of(seen_, [&](const Seen& other) {
+             return other.from == then.from && later(other.ms);
+           });
+  }
+
   /// The checksum after the payload, before a signature. A sender may number the messages of each
   /// link separately, so the sequence number alone does not identify a copy.
   static std::uint16_t checksum(std::span<const std::uint8_t> frame) {
@@ -86,6 +109,8 @@ class Copies {
   }
 
   std::array<Seen, 30> seen_{};
+  std::uint32_t stop_ms_ = 0;
+  bool stopped_ = false;
   std::size_t next_ = 0;
   StreamLink usual_;
 };

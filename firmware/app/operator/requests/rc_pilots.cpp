@@ -20,7 +20,7 @@ bool RcPilots::take(std::size_t link, const link::Received& received, const Rule
     if (!rules.mode_switch || !rules.may_override) return false;
     sender = received.from.system;
     if (!overrides_.hears(sender, now_us)) return true;
-    if (!overrides_link_.takes(received.from, link, now_us)) return true;
+    if (!overrides_link_.accept(received.from, link, now_us)) return true;
     input = &overrides_;
     pulses_us = given->pulses;
   } else {

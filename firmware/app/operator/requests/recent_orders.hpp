@@ -14,8 +14,9 @@ namespace flotilla::app {
 /// request had not yet seen the boat disarmed. A late retransmission undoes no newer stop: for 5 s
 /// after a stop, a request to drive is refused on links that did not carry the stop (or the stops of
 /// two operators), and a repeated one from another operator. Nor does it undo a newer order: for 5 s
-/// after one, another operator's repeated order is refused. An order is a request to drive, a target,
-/// a setpoint, or an item of the plan. The microcontroller's image has no room for these 5 s.
+/// after one, another operator's repeated order is refused, and the same operator's on another link.
+/// An order is a request to drive, a target, a setpoint, an item of the plan, a pause or its end. The
+/// microcontroller's image has no room for these 5 s.
 class RecentOrders {
  public:
   /// Records a stop by the pilot's switch. It counts as received on all links; within 5 s of an
@@ -25,7 +26,9 @@ class RecentOrders {
   }
 
   /// Records an order that was accepted; from {}: a pilot's.
-  void note_order(link::Address from, std::int64_t now_us) { order_ = {now_us, from}; }
+  void note_order(link::Address from, std::size_t link, std::int64_t now_us) {
+    if (FLOTILLA_KEEPS_FLEET != 0) order_ = {now_us, from, static_cast<std::uint8_t>(link)};
+  }
 
   /// Judges a request that asks for a state, and records it if it is a stop. Why it must be refused;
   /// empty if it need not. repeated: it is a retransmission.
@@ -46,13 +49,14 @@ class RecentOrders {
     if (after_disarm || (recent && ((stop_.links & link) == 0 || (others && repeated)))) {
       return "boat was just stopped: ask again in 5 s";
     }
-    return RequestKind::kArms < kind ? judge_order(pending.from, repeated, now_us) : "";
+    return core::turns_propellers(kind) ? judge_order(pending, repeated, now_us) : "";
   }
 
   /// The same for an order, whether or not it asks for a state.
-  std::string_view judge_order(link::Address from, bool repeated, std::int64_t now_us) const {
-    const bool newer = is_recent(order_.us, now_us) && from != order_.by;
-    return newer && repeated ? "a newer order came: ask again in 5 s" : "";
+  std::string_view judge_order(const PendingRequest& pending, bool repeated,
+                               std::int64_t now_us) const {
+    const bool late = pending.from != order_.by ? repeated : pending.link != order_.link;
+    return late && is_recent(order_.us, now_us) ? "a newer order came: ask again in 5 s" : "";
   }
 
  private:
@@ -71,6 +75,7 @@ class RecentOrders {
   struct Order {
     std::int64_t us = kNever_us;
     link::Address by{};
+    std::uint8_t link = 0;
   };
   Stop stop_;
   Order order_;

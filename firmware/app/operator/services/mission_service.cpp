@@ -256,14 +256,15 @@ void MissionService::replace(Stored kind, Plan items) {
   progress_ = {};
   ++round_;
   complete_ = false;
-  jumped_ = false;
+  item_set_ = false;
 }
 
 link::Message MissionService::refuse(const Asker& asker, Stored kind, const PlanFault& fault) {
   if (is_from_uploader(asker)) upload_.reset();
   std::string_view why = fault.why;
   if (fault.result == mav::kMissionNoSpace) why = "too many items";
-  if (fault.result == mav::kMissionDenied && why.empty()) why = "HOLD first, or not MAV_GCS_SYSID";
+  if (fault.result == mav::kMissionDenied && why.empty())
+    why = "needs HOLD and MAV_GCS_SYSID";
   news_ = News{News::Kind::kRefused, kind, fault.item, why};
   return acknowledgement(asker.from, fault.result, type_of(kind));
 }
@@ -311,7 +312,7 @@ bool MissionService::set_current(std::size_t item, bool anew) {
   progress_.go_to(plan(), current_, anew || current_ == first);
   ++round_;
   complete_ = false;
-  jumped_ = true;
+  item_set_ = true;
   way_why_ = {};
   return true;
 }
@@ -320,7 +321,7 @@ void MissionService::begin_round() {
   if (std::exchange(complete_, false)) ++round_;
 }
 
-bool MissionService::take_jump() { return std::exchange(jumped_, false); }
+bool MissionService::take_item_set() { return std::exchange(item_set_, false); }
 
 void MissionService::sailed(const PlanMark& ahead, bool complete) {
   const auto is_there = [&] {

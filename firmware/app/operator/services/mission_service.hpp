@@ -94,7 +94,7 @@ class MissionService {
   /// False if there is no such item. anew, or at the first item: no jump counts as taken.
   bool set_current(std::size_t item, bool anew);
   /// Whether an operator has set the current item since the last call.
-  bool take_jump();
+  bool take_item_set();
   /// Passes the items up to the one ahead. complete: the plan is at its end.
   void sailed(const PlanMark& ahead, bool complete);
   /// Whether the plan pauses after an item whose autocontinue is 0. Not with ArduPilot's identity:
@@ -189,7 +189,7 @@ class MissionService {
   std::size_t current_ = 0;
   PlanProgress progress_;
   std::uint32_t round_ = 0;
-  bool complete_ = false, jumped_ = false;
+  bool complete_ = false, item_set_ = false;
   std::optional<Upload> upload_;
   std::optional<News> news_;
 };

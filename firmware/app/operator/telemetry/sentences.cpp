@@ -87,7 +87,7 @@ Sentence sentence_of(const VoyageNews& news) {
   if (news.kind == kOver) {
     text << "over, " << static_cast<float>(news.step) << " of " << count << " steps complete";
   } else if (news.kind == kLost) {
-    text << "the boat did not return to its room";
+    text << "the boat did not return to its area";
   } else {
     text << "step " << static_cast<float>(news.step);
     if (news.kind == kBegins) text << " of " << count << ", ";

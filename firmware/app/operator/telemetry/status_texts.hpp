@@ -15,7 +15,7 @@
 namespace flotilla::app {
 
 /// Kinds of texts that are repeated only after an interval; each kind has its own.
-enum class Repeated : std::uint8_t {
+enum class TextKind : std::uint8_t {
   kArmRefused,
   kRefused,
   kParameterRefused,
@@ -39,7 +39,7 @@ class StatusTexts {
   void send_complaints(std::string_view what, core::Conditions unmet, link::Counters& counters);
 
   /// Whether a text of this kind may be sent now; counts it as sent.
-  bool take_if_due(Repeated kind, std::int64_t now_us) {
+  bool take_if_due(TextKind kind, std::int64_t now_us) {
     return due_[static_cast<std::size_t>(kind)].take_if_due(now_us);
   }
 

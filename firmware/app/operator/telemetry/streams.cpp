@@ -76,7 +76,7 @@ std::int32_t Streams::interval_us(std::size_t link, std::uint16_t id) const {
                          : -1;
 }
 
-bool Streams::any_due(std::size_t link, std::int64_t now_us) {
+bool Streams::any_rest_due(std::size_t link, std::int64_t now_us) {
   std::int64_t& quiet_until_us = links_[link].quiet_until_us;
   if (now_us < quiet_until_us) return false;
   quiet_until_us = std::numeric_limits<std::int64_t>::max();

@@ -96,7 +96,7 @@ class Streams {
     std::int64_t radio_us = 0;  ///< last RADIO_STATUS
     double share = 1;           ///< of the full rate, as the radio allows
     bool narrow = false;        ///< carries at most as much as a radio of 57,600 Bd
-    /// Earliest due time of any non-state stream; 0: recompute.
+    /// Earliest due time of the streams other than state and news; 0: recompute.
     std::int64_t quiet_until_us = 0;
   };
 
@@ -128,8 +128,8 @@ class Streams {
     return links_[link].turns[stream].schedule;
   }
 
-  /// Whether any stream but the state's is due on that link.
-  bool any_due(std::size_t link, std::int64_t now_us);
+  /// Whether any stream other than state and news is due on that link.
+  bool any_rest_due(std::size_t link, std::int64_t now_us);
 
   /// Sends that message at once, on every link that carries it.
   void make_due(std::uint16_t id);

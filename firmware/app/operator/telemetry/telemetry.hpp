@@ -29,7 +29,7 @@ struct EscReport {
 
 /// Errors and limits of the law, SI units.
 struct FormationReport {
-  std::optional<bool> in_slot;  ///< in FORMATION, if FS_SLOT_M judges it; false while closing up
+  std::optional<bool> in_slot;  ///< in FORMATION or alone, if FS_SLOT_M judges it; false closing up
   core::Error<double> error;
   core::Nu<double> nu_star;
   core::Tau<double> missing;  ///< of the wrench that the law desired
@@ -55,8 +55,8 @@ struct Report {
   std::uint8_t mode = 0, intended_mode = 0;
   std::optional<OwnReport> own;              ///< while it is fresh
   std::optional<link::GpsRawInt> gps;        ///< the navigation unit's, while it is fresh
-  std::optional<Home> home;                  ///< where the boat was first located, then last armed
-  std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
+  std::optional<Home> home;                  ///< see FailsafeLimits::home()
+  std::optional<FormationReport> formation;  ///< while own and leader's state are fresh, or alone
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
   std::optional<link::FormationReference> reference;  ///< for followers, while it can be followed
   std::optional<PlanReport> plan;                     ///< if one is stored

@@ -45,7 +45,7 @@ bool TelemetrySender::locate(const link::GpsGlobalOrigin& origin) {
 bool TelemetrySender::needs_report() {
   if (origin_moved_ || separation_due_.is_due(now_us_) || state_is_due()) return true;
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (links_.may_send_rest(link) && streams_.any_due(link, now_us_)) return true;
+    if (links_.may_send_rest(link) && streams_.any_rest_due(link, now_us_)) return true;
   }
   return false;
 }
@@ -90,7 +90,7 @@ void TelemetrySender::send_state(std::size_t link, StateMessages& state, link::C
   if (!links_.bucket(link).for_state()) return;
   StateTurns& turns = turns_[link].states;
   if (std::exchange(turns.reference_next, false)) return;
-  bool told = false;
+  bool any_sent = false;
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
     const StreamInfo& info = kStreams[kStateStreams[i]];
     Schedule& schedule = streams_.schedule(kStateStreams[i], link);
@@ -99,9 +99,9 @@ void TelemetrySender::send_state(std::size_t link, StateMessages& state, link::C
     if (!state[i]) continue;
     links_.send_state(link, *state[i], counters);
     schedule.take_if_due(now_us_);
-    told = true;
+    any_sent = true;
   }
-  if (told && turns.states < kStatesPerReference) ++turns.states;
+  if (any_sent && turns.states < kStatesPerReference) ++turns.states;
 }
 
 bool TelemetrySender::waits_for_reference(std::uint32_t news) const {
@@ -167,23 +167,23 @@ void TelemetrySender::send_future(std::uint32_t news,
 void TelemetrySender::send_rest(std::size_t link, link::Counters& counters) {
   const bool asked =
       from_.parameter_service.owes(link) || !from_.files.is_idle() || !from_.logs.is_idle();
-  if (!streams_.any_due(link, now_us_) && !asked) return;
+  if (!streams_.any_rest_due(link, now_us_) && !asked) return;
   const std::size_t first = turns_[link].next;
   for (std::size_t n = 0; n < kTurns && has_room(link); ++n) {
     const auto turn = static_cast<std::uint8_t>((first + n) % kTurns);
-    bool told = false;
+    bool any_sent = false;
     if (turn == kParameters) {
-      told = send_parameters(link, counters);
+      any_sent = send_parameters(link, counters);
     } else if (turn == kFiles) {
-      told = send_from(from_.files, kFtpPacketsPerTick, link, counters);
+      any_sent = send_from(from_.files, kFtpPacketsPerTick, link, counters);
     } else if (turn == kLogs) {
-      told = send_from(from_.logs, kLogPacketsPerTick, link, counters);
+      any_sent = send_from(from_.logs, kLogPacketsPerTick, link, counters);
     } else if (is_rest(kStreams[turn].pace)) {
-      told = send_stream(turn, link, counters);
+      any_sent = send_stream(turn, link, counters);
     }
     const Begun& begun = turns_[link].begun;
     const auto after = static_cast<std::uint8_t>((turn + 1) % kTurns);
-    if (told) turns_[link].next = begun.told > 0 ? begun.stream : after;
+    if (any_sent) turns_[link].next = begun.sent > 0 ? begun.stream : after;
   }
 }
 
@@ -198,11 +198,11 @@ bool TelemetrySender::send_stream(std::uint8_t stream, std::size_t link, link::C
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.is_due(now_us_)) return false;
   Begun& begun = turns_[link].begun;
-  const std::uint32_t first = begun.stream == stream ? begun.told : 0;
-  std::uint32_t told = first;
-  for (; const auto message = compose(kStreams[stream].id, told, from_.report); ++told) {
-    if (told > first && !has_room(link)) {
-      begun = {stream, told};
+  const std::uint32_t first = begun.stream == stream ? begun.sent : 0;
+  std::uint32_t sent = first;
+  for (; const auto message = compose(kStreams[stream].id, sent, from_.report); ++sent) {
+    if (sent > first && !has_room(link)) {
+      begun = {stream, sent};
       turns_[link].next = from_.parameter_service.owes(link) ? kParameters : stream;
       return false;
     }
@@ -210,32 +210,32 @@ bool TelemetrySender::send_stream(std::uint8_t stream, std::size_t link, link::C
   }
   begun = {};
   const bool rare = stream == kPlanStream || stream == kFenceStream || stream == kGpsStream;
-  if (told > 0 || rare) schedule.take_if_due(now_us_);
-  return told > 0;
+  if (sent > 0 || rare) schedule.take_if_due(now_us_);
+  return sent > 0;
 }
 
 bool TelemetrySender::send_parameters(std::size_t link, link::Counters& counters) {
-  bool told = false;
+  bool any_sent = false;
   for (int n = 0; n < kParametersPerTick && links_.room(link) >= kLargestFrame; ++n) {
     const auto message = from_.parameter_service.next(link, from_.parameters);
     if (!message) break;
     links_.send(link, *message, counters);
-    told = true;
+    any_sent = true;
   }
-  return told;
+  return any_sent;
 }
 
 template <class Service>
 bool TelemetrySender::send_from(Service& service, int most, std::size_t link,
                                 link::Counters& counters) {
-  bool told = false;
+  bool any_sent = false;
   for (int n = 0; n < most && has_room(link); ++n) {
     const auto message = service.next(link);
     if (!message) break;
     links_.send(link, *message, counters);
-    told = true;
+    any_sent = true;
   }
-  return told;
+  return any_sent;
 }
 
 }  // namespace flotilla::app

@@ -79,7 +79,7 @@ class TelemetrySender {
   };
   struct Begun {
     std::uint8_t stream = kStreams.size();
-    std::uint32_t told = 0;
+    std::uint32_t sent = 0;
   };
   struct Turns {
     std::uint8_t next = 0;  ///< turn of send_rest()

@@ -33,7 +33,8 @@ void Warnings<S>::send(const Seen& seen) {
 template <class S>
 void Warnings<S>::warn_of_host(const Seen& seen) {
   const HostReport& host = seen.host;
-  if (!host.unsaved.empty() && unsaved_due_.take_if_due(seen.now_us)) warn(host.unsaved);
+  if (!host.why_not_to_arm.empty() && not_to_arm_due_.take_if_due(seen.now_us))
+    warn(host.why_not_to_arm);
   if (host.closed_links != 0 && closed_due_.take_if_due(seen.now_us)) {
     warn(link_is_closed(host.closed_links).text());
   }
@@ -121,12 +122,13 @@ template <class S>
 void Warnings<S>::warn_of_current(const Seen& seen) {
   const auto& e = seen.law.error.e;
   const bool was_alone = std::exchange(alone_, core::sails_alone(seen.state));
-  const bool spent = alone_ && S(0) < seen.law.allocation.missing.X;
-  const bool behind = spent && S(1) < core::hypot(e.x, e.y) && guidance_.motion().nu.u < S(0.05);
-  no_way_.update(behind, seen.now_us);
+  const bool at_full_thrust = alone_ && S(0) < seen.law.allocation.missing.X;
+  const bool behind =
+      at_full_thrust && S(1) < core::hypot(e.x, e.y) && guidance_.motion().nu.u < S(0.05);
+  no_headway_.update(behind, seen.now_us);
   const bool holds = was_alone && !alone_ && (seen.conditions & core::kBoatAnswers) == 0;
-  if (!holds && !(no_way_.value() && spent)) return;
-  if (no_way_due_.take_if_due(seen.now_us)) {
+  if (!holds && !(no_headway_.value() && at_full_thrust)) return;
+  if (no_headway_due_.take_if_due(seen.now_us)) {
     warn("no headway: current, wind or propellers");
   }
 }

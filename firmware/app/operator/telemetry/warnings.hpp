@@ -71,10 +71,11 @@ class Warnings {
 
   Schedule fence_due_{10 * kSecond_us}, frame_due_{10 * kSecond_us},
       fast_slot_due_{10 * kSecond_us};
-  Schedule unsound_slot_due_{10 * kSecond_us}, no_way_due_{10 * kSecond_us};
+  Schedule unsound_slot_due_{10 * kSecond_us}, no_headway_due_{10 * kSecond_us};
   Schedule double_due_{10 * kSecond_us}, late_due_{10 * kSecond_us}, quality_due_{10 * kSecond_us};
-  Schedule unsaved_due_{30 * kSecond_us}, closed_due_{30 * kSecond_us}, time_due_{30 * kSecond_us};
-  Debounced slot_too_fast_, untimed_, no_way_;  // no_way_: against current or wind
+  Schedule not_to_arm_due_{30 * kSecond_us}, closed_due_{30 * kSecond_us},
+      time_due_{30 * kSecond_us};
+  Debounced slot_too_fast_, untimed_, no_headway_;  // no_headway_: against current or wind
   core::StationLoss station_loss_ = core::StationLoss::kNo;
   std::optional<std::uint8_t> awaited_;  // a boat
   bool save_failed_ = false;

@@ -411,7 +411,7 @@ TEST_CASE("a link is idle while only the state's stream is due, whatever changed
       if (!is_rest(kStreams[i].pace)) continue;
       waits = waits || streams.schedule(i, link).is_due(now_us);
     }
-    REQUIRE(streams.any_due(link, now_us) == waits);
+    REQUIRE(streams.any_rest_due(link, now_us) == waits);
     ++(waits ? busy : quiet);
     for (std::size_t i = 0; i < kStreams.size(); ++i) streams.schedule(i, link).take_if_due(now_us);
   }
