@@ -263,8 +263,7 @@ link::Message MissionService::refuse(const Asker& asker, Stored kind, const Plan
   if (is_from_uploader(asker)) upload_.reset();
   std::string_view why = fault.why;
   if (fault.result == mav::kMissionNoSpace) why = "too many items";
-  if (fault.result == mav::kMissionDenied && why.empty())
-    why = "needs HOLD and MAV_GCS_SYSID";
+  if (fault.result == mav::kMissionDenied && why.empty()) why = "needs HOLD and MAV_GCS_SYSID";
   news_ = News{News::Kind::kRefused, kind, fault.item, why};
   return acknowledgement(asker.from, fault.result, type_of(kind));
 }
