@@ -75,7 +75,7 @@ class SaidByBoat:
         if self._seen.version != before:
             self._plans.note(t_s, dict(self._seen.of(self.system)))
         self._items.note(t_s, self._seen.item.get(self.system))
-        if message.number == messages.MISSION_CURRENT and message.fields:
+        if message.number == messages.MISSION_CURRENT and message.system == self.system:
             self._note_plan(t_s, *message.fields[:3])
 
     def hear(self, message: Any, t_s: float) -> None:

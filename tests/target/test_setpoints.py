@@ -241,3 +241,16 @@ def test_setpoints_of_a_station_that_may_not_command_move_no_boat() -> None:
     sea.say(local(NED, place_m=(5.0, 0.0)), sender=Station(7, 190))
     assert "Refused: not from MAV_GCS_SYSID" in texts(sea.run(10.0))
     assert place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+def test_a_boat_that_turned_on_the_spot_rests_when_the_script_falls_silent() -> None:
+    sea = at_sea([])
+    sea.mode(GUIDED)
+    for _ in range(60):
+        sea.say(local(BODY_NED, velocity_mps=(0.0, 0.0), yaw_rate_radps=0.3))
+        sea.run(0.1)
+    assert sea.hull.seen.r > 0.2
+    sea.run(6.0)
+    rests_at = sea.hull.q[2]
+    sea.run(5.0)
+    assert abs(sea.hull.seen.r) < 0.01 and abs(sea.hull.q[2] - rests_at) < 0.02

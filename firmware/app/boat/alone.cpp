@@ -59,19 +59,20 @@ void Alone<S>::start_plan(std::int64_t now_us) {
   warnings_.forget_waiting();
 }
 
-/// anew: the state begins; otherwise the vessel that the boat follows sails on.
+/// anew: the state begins; otherwise the vessel that the boat follows sails on, if it is near.
 template <class S>
 void Alone<S>::start_errand(const Now& now, bool anew) {
   voyage_.interrupt();
   const std::optional<Target> asked = vehicle_.orders().take_target();
   const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
-  const Target here = at_fence ? Target{convert::global_of(guidance_.place())}
-                               : guidance_.stop_ahead(kChangesTargets && !anew);
+  const bool goes_on = kChangesTargets && !anew && !at_fence && guidance_.is_near_vessel();
+  const Target here =
+      at_fence ? Target{convert::global_of(guidance_.place())} : guidance_.stop_ahead(goes_on);
   lost_s_ = 0;
   asked_ = now.state == core::State::kGuided ? asked : std::nullopt;
   if (now.state == core::State::kReturn) return sail_back(here);
   errands_.sail_to(asked_.value_or(here));
-  if (anew || !kChangesTargets) return sail_errand();
+  if (!goes_on) return sail_errand();
   guidance_.change_plan(errand(), configuration().plan);
 }
 
@@ -103,8 +104,8 @@ void Alone<S>::sail_errand() {
 }
 
 /// Continues the search for a way round the forbidden zones; begins it again when the fence has
-/// changed and, in RTL or with a target, after 10 s without a way. Checks the present leg once a second, because
-/// the boat may be pushed aside.
+/// changed and, in RTL or with a target, after 10 s without a way. Checks the present leg once a
+/// second, because the boat may be pushed aside.
 template <class S>
 void Alone<S>::keep_fence(const Now& now) {
   constexpr std::uint8_t kAgain_s = 10;
@@ -196,7 +197,10 @@ core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
 
 template <class S>
 core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
-  if (vehicle_.missions().take_item_set()) start_plan(now.now_us);
+  if (vehicle_.missions().take_item_set()) {
+    if (kSailsVoyages && voyage_.is_on()) guidance_.start_alone();
+    start_plan(now.now_us);
+  }
   const core::ControllerOutput<S> out = sail_items(now, dt);
   PlanVessel<S>& sailed = guidance_.plan_vessel();
   auto reached = sailed.reached();

@@ -25,9 +25,9 @@ class FleetReports {
   /// wait is used up.
   void forget_waits(std::int64_t now_us);
 
-  /// Call in each tick in which the plan may wait: counts the time. Returns the system id of a follower that was in its slot,
-  /// reports that it is out of it, and has not used up its wait; nothing once the whole wait is
-  /// used up.
+  /// Call in each tick in which the plan may wait: counts the time. Returns the system id of a
+  /// follower that was in its slot, reports that it is out of it, and has not used up its wait;
+  /// nothing once the whole wait is used up.
   std::optional<std::uint8_t> late(std::int64_t now_us);
 
   /// The leader reports that it is armed and in RTL, three times in a row: one report may be late.

@@ -191,7 +191,7 @@ void Guidance<S>::start_plan(const PlanOrder& order, const PlanDefaults& default
 
 template <class S>
 void Guidance<S>::change_plan(const PlanOrder& order, const PlanDefaults& defaults) {
-  plan_vessel_.change(order, defaults);
+  plan_vessel_.change(order, defaults, law_.route);
 }
 
 template <class S>

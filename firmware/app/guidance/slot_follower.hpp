@@ -38,8 +38,8 @@ class SlotFollower {
     station_ = {};
   }
 
-  /// Call when the vessel that the boat follows starts elsewhere. The times for which the boat has
-  /// made no way, or has spun, continue.
+  /// Call when the vessel that the boat follows starts elsewhere. The time for which the boat has
+  /// spun continues.
   void restart() {
     starting_ = true;
     core::station_moved(station_);

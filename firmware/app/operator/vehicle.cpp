@@ -105,8 +105,9 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
 /// Keeps a request until the next tick answers it, unless it is a late copy.
 void Vehicle::keep(std::size_t link, const link::Received& received, const RequestMessage& request,
                    std::int64_t now_us, link::Counters& counters) {
-  const PendingRequest pending{now_us,          request, received.from,
-                               received.target, link,    may_command(received.from)};
+  PendingRequest pending{now_us,          request, received.from,
+                         received.target, link,    may_command(received.from)};
+  if (FLOTILLA_KEEPS_FLEET != 0) pending.sequence = received.sequence;
   bool copy = false;
   if (Setpoints::is_one(received.id)) {
     copy = pending.may_command && !setpoint_link_.accept(received.from, link, now_us);
@@ -197,7 +198,7 @@ void Vehicle::apply_rc(link::Counters& counters) {
   }
   if (asked) request(*asked, counters);
   if (asked == Request::kManual && supervisor_.state() == State::kManual) {
-    recent_.note_order({}, 0, now_us_);
+    recent_.note_pilots_order(now_us_);
   }
 }
 

@@ -103,7 +103,7 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
     return;
   }
   orders_.set(asked.target, drive, now_us_);
-  recent_.note_order(pending.from, pending.link, now_us_);
+  recent_.note_setpoint(pending, now_us_);
 }
 
 /// Reports a refusal as for setpoints.
@@ -254,8 +254,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = answer_of_plan(asked, command.repeated);
   }
   if (asked.target && decision.granted && !orders_.go_to(*asked.target, now_us_)) {
-    asked.result = mav::kTemporarilyRejected;
-    asked.why = kJustPaused;
+    reject(asked, mav::kTemporarilyRejected, kJustPaused);
   }
   if (asked.fence) asked.result = answer_of_fence(asked, command.repeated);
   if (asked.message) {
@@ -264,7 +263,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     if (asked.result != mav::kAccepted) asked.message.reset();
   }
   if ((asked.orders() || asked.paused) && asked.result == mav::kAccepted) {
-    recent_.note_order(pending.from, link, now_us_);
+    recent_.note_order(pending, now_us_);
   }
   acknowledge(pending, command, asked.result, counters);
   if (asked.message) send_requested(link, *asked.message, counters);

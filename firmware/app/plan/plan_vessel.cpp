@@ -58,10 +58,13 @@ void PlanVessel<S>::start(const PlanOrder& order, const PlanDefaults& defaults,
 }
 
 template <class S>
-void PlanVessel<S>::change(const PlanOrder& order, const PlanDefaults& defaults) {
+void PlanVessel<S>::change(const PlanOrder& order, const PlanDefaults& defaults,
+                           const core::RouteParams<S>& limits) {
   const core::Motion<S> before = state_.motion;
-  start(order, defaults, limits_, place(), before, S(0));
-  if (state_.phase == core::RoutePhase::kWait) state_.motion.nu.r = before.nu.r;
+  start(order, defaults, limits, place(), before, S(0));
+  if (state_.phase != core::RoutePhase::kWait || count_ < 2) return;
+  state_.phase = core::RoutePhase::kTurn;
+  state_.motion.nu.r = before.nu.r;
 }
 
 /// Reads a limited number of points: a plan whose jumps repeat a single place ends there.

@@ -47,9 +47,10 @@ class PlanVessel {
              const core::RouteParams<S>& limits, const convert::Position& own,
              const core::Motion<S>& motion, S steerage = S(0.1));
 
-  /// Sails another plan from where the vessel is, and goes on turning. Plans may change many times
-  /// a second.
-  void change(const PlanOrder& order, const PlanDefaults& defaults);
+  /// Sails another plan from where the vessel is; if it must turn first, it goes on turning. Plans
+  /// may change many times a second.
+  void change(const PlanOrder& order, const PlanDefaults& defaults,
+              const core::RouteParams<S>& limits);
 
   /// Sails for dt seconds; slows down and waits for the boat.
   void forward(Plan plan, const BoatBehind<S>& boat, bool paused, S dt);

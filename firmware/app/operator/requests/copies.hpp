@@ -61,13 +61,10 @@ class Copies {
       return then.from != link::Address{} && now.ms - then.ms < kLate_ms;
     };
     for (const Seen& then : seen_) {
-      if (then.sequence != now.sequence || then.id != now.id || then.from != now.from ||
-          then.checksum != now.checksum || !recent(then)) {
-        continue;
-      }
+      if (!same(then, now) || !recent(then)) continue;
       if (then.link != now.link) return Verdict::kCopy;
       const bool judged = FLOTILLA_KEEPS_FLEET != 0 && !received.is_signed;  // signed: never twice
-      if (judged && is_overtaken(then)) return Verdict::kOvertaken;
+      if (judged && is_overtaken(then, now.ms)) return Verdict::kOvertaken;
     }
     const bool usual = usual_.accept(received.from, link, now_us);
     if (recent(seen_[next_]) && !usual) return Verdict::kPerhaps;
@@ -90,13 +87,15 @@ class Copies {
     std::uint16_t checksum = 0;
   };
 
+  static bool same(const Seen& a, const Seen& b) {
+    return a.sequence == b.sequence && a.id == b.id && a.from == b.from && a.checksum == b.checksum;
+  }
+
   /// Whether a stop, or another request of its sender, came later.
-  bool is_overtaken(const Seen& then) const {
-    const auto later = [&](std::uint32_t ms) {
-      return static_cast<std::int32_t>(ms - then.ms) > 0;
-    };
+  bool is_overtaken(const Seen& then, std::uint32_t now_ms) const {
+    const auto later = [&](std::uint32_t ms) { return now_ms - ms < now_ms - then.ms; };
     return (stopped_ && later(stop_ms_)) || std::ranges::any_of(seen_, [&](const Seen& other) {
-             return other.from == then.from && later(other.ms);
+             return other.from == then.from && !same(other, then) && later(other.ms);
            });
   }
 

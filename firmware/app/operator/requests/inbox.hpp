@@ -30,6 +30,7 @@ struct PendingRequest {
   link::Address from{};
   link::Address target{};
   std::uint8_t link = 0;
+  std::uint8_t sequence = 0;  ///< of its frame
   bool may_command = true;
   Effects effects{};
 };
