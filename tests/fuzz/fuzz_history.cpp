@@ -260,7 +260,7 @@ template <class S>
 void History<S>::host(Stream& in) {
   const std::uint8_t what = in.byte();
   host_.bus_up = (what & 1U) == 0;
-  host_.unsaved = (what & 2U) == 0 ? "" : app::kParametersUnsaved;
+  host_.why_not_to_arm = (what & 2U) == 0 ? "" : app::kParametersUnsaved;
   host_.save_failed = (what & 4U) != 0;
   if ((what & 8U) != 0) ++host_.overruns;
   // Signatures' timestamps end soon after the year 2100.

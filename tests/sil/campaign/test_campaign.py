@@ -328,7 +328,7 @@ def test_a_failed_run_reports_its_error_when_it_is_replayed(
     scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(command(scenario, tmp_path, "--set", "link.loss=1.0", "--run", "3")) == 2
-    assert "error: not in FORMATION" in capsys.readouterr().err
+    assert "error: not in the wanted mode" in capsys.readouterr().err
 
 
 def test_workers_of_another_build_end_the_campaign(

@@ -42,7 +42,7 @@ def test_a_run_that_the_firmware_refuses_has_failed_and_costs_no_other(tmp_path:
 
 def test_boats_that_cannot_start_have_failed_with_the_reason(tmp_path: Path) -> None:
     lost = sail_batch(batch(sampler(tmp_path, "", ("link.loss=1.0",)), (0,))).runs[0]
-    assert lost.outcome == "failed" and "not in FORMATION" in lost.reason
+    assert lost.outcome == "failed" and "not in the wanted mode" in lost.reason
 
 
 def test_a_worker_with_other_code_refuses_the_batch(tmp_path: Path) -> None:
