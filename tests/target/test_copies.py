@@ -147,7 +147,7 @@ def test_a_second_copy_on_the_same_link_does_not_undo_a_newer_request(sea: Sea, 
     sea.boat.on_mavlink(wire, sea.now_us, 0)
     ticks = sea.run(1.0)
     assert sea.state == ("HOLD" if newer == HOLD else "LOITER")
-    assert "Refused: copy of an older request, or ask again" in texts(ticks)
+    assert "Refused: sent before a newer request: ask again" in texts(ticks)
 
 
 def test_a_second_copy_on_the_same_link_does_not_arm_again() -> None:

@@ -149,8 +149,9 @@ class Guidance {
   /// and its present speed.
   Target stop_ahead(bool of_vessel) const;
 
-  /// Whether the boat is so near to the vessel that the vessel may sail another plan.
-  bool is_near_vessel() const { return follower_.off() < S(1.5); }
+  /// Whether the boat is so near to the vessel, half the distance at which it waits for the boat,
+  /// that the vessel may sail another plan.
+  bool is_near_vessel() const { return S(2) * follower_.off() < behind().far_m; }
 
   /// Depth in the tree, to be sent; nullopt if FS_SEP_M is 0.
   std::optional<double> depth() const;

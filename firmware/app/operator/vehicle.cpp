@@ -117,7 +117,7 @@ void Vehicle::keep(std::size_t link, const link::Received& received, const Reque
     if (FLOTILLA_KEEPS_FLEET != 0 && verdict == Copies::Verdict::kPerhaps) {
       ignored_ = "too many requests: ask again in 5 s";
     } else if (FLOTILLA_KEEPS_FLEET != 0 && verdict == Copies::Verdict::kOvertaken) {
-      ignored_ = "copy of an older request, or ask again";
+      ignored_ = "sent before a newer request: ask again";
     }
   } else if (FLOTILLA_KEEPS_FLEET != 0 && pending.effects.stops) {
     copies_.note_stop(now_us);
